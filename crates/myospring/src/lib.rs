@@ -2,9 +2,9 @@
 //!
 //! A cardiac myocyte is stimulated, builds up tension and shortens by about a tenth. Myospring
 //! simulates that on the cell's real outline: a small cell model (action potential and active
-//! tension, six ordinary differential equations) drives a mass-spring mesh, integrated with Verlet's
-//! method. It starts from Coelho et al. 2021 (`coelho_2021` in `references.bib`) and says wherever it
-//! goes another way.
+//! tension, six ordinary differential equations) drives a mass-spring mesh, integrated with
+//! Verlet's method. It is based on Coelho et al. 2021 (`coelho_2021` in `references.bib`) and
+//! states every deviation from it.
 //!
 //! # Tour
 //! ```
@@ -19,14 +19,14 @@
 //! let outcome = Simulation::new(mesh).build()?.run(|_progress| true);
 //! assert!(outcome.stop.is_none());
 //!
-//! // What a laboratory reads.
+//! // What a laboratory measures.
 //! let beats = outcome.beats();
 //! assert!((beats[0].value("peak_shortening").unwrap() - 12.0).abs() < 0.2); // %
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # Units
-//! One coherent system, no hidden factors; text with units is read in [`units`] only.
+//! One coherent system of units, without hidden factors; only [`units`] reads text with units.
 //!
 //! | quantity | unit | | quantity | unit |
 //! |---|---|---|---|---|
@@ -37,14 +37,14 @@
 //!
 //! # Modules in reading order
 //! [`cell`] turns a stimulus into tension; [`mesh`] holds points, springs and triangles, made from
-//! outlines and from masks that `microscopy` reads; [`mechanics`] has the forces, one law per file, and
-//! [`integrate`] moves the masses; [`exchange`] says how cell and mesh meet, [`simulation`] joins them and
-//! fills a [`recording`];
-//! [`analysis`] makes metrics of it and `output` files and figures; `measured` reads curves of real cells; `settings` has what a user may choose, one row
-//! each, and `run_file` reads what was written;
-//! `fit` finds a cell's own parameters in its curve, and `tension_map` where it pulls in its film;
-//! `compare` lays runs side by side; `study` does that for many at once; `experiment` is what a laboratory does in
-//! one go, from files to a folder of results; [`references`] has the papers that all of these cite.
+//! outlines and from masks that `microscopy` reads; [`mechanics`] has the forces, one law per file,
+//! and [`integrate`] moves the masses; [`exchange`] couples cell and mesh, [`simulation`] joins
+//! them and fills a [`recording`]; [`analysis`] computes metrics of it and `output` writes files
+//! and figures; `measured` reads curves of real cells; `settings` lists what a user may choose, one
+//! row per setting, and `run_file` reads it; `fit` estimates a cell's own parameters from its
+//! curve, and `tension_map` its local tension from its film; `compare` compares runs; `study`
+//! computes many runs; `experiment` does what a laboratory does in one go, from files to a folder
+//! of results; [`references`] has the papers that all of these cite.
 //!
 //! # Features
 //! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML), `study` (many runs) and `experiment` (folders of results) are on by

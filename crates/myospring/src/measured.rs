@@ -1,9 +1,12 @@
-//! Curves that were measured: a table from any laboratory's program becomes times and values with a kind and a unit.
+//! Measured curves: reads tables of laboratory programs into times and values with a kind and a
+//! unit.
 //!
-//! Text in any encoding and workbooks (.xlsx), all sheets. What parts the fields, the mark of decimals, the header and what stands above it, encoding and line ends are found; a
-//! column is known by its name and unit, or chosen by name or number. Rows may be frames, with a curve in each column;
-//! curves, with a frame or a time in each column, as `SarcGraph` and `BeatProfiler` write them; or one curve after the other, told apart by a column
-//! such as `sarc_id`. What was taken for granted stands in [`Table::notes`].
+//! Reads text in any encoding and all sheets of workbooks (.xlsx). Delimiter, decimal mark, header,
+//! lines above it, encoding and line ends are detected; a column is recognised by its name and
+//! unit, or chosen by name or number. Each row may be a frame, with one curve per column; or a
+//! curve, with one frame or time per column, as `SarcGraph` and `BeatProfiler` write them; or
+//! curves may follow one another, identified by a column such as `sarc_id`. [`Table::notes`] lists
+//! what was assumed.
 //!
 //! | kind of curve | unit of its values | columns, for example |
 //! |---|---|---|
@@ -39,8 +42,9 @@ use std::path::Path;
 /// Reads the curves of a file.
 ///
 /// # Errors
-/// A file that cannot be read, is no text, or has no curve; a field that is no number, times that do not rise, neither
-/// times nor a frame rate, or both and they contradict each other; with file, line, column, value and how to mend it.
+/// A file that cannot be read, is not text, or has no curve; a field that is not a number; times
+/// that do not increase; neither times nor a frame rate, or both if they contradict each other. The
+/// message has file, line, column, value and how to correct it.
 pub fn read(path: &Path, options: &Options) -> Result<Table, ReadError> {
     let name = path.display().to_string();
     let bytes =
@@ -48,7 +52,8 @@ pub fn read(path: &Path, options: &Options) -> Result<Table, ReadError> {
     read_bytes(&name, &bytes, options)
 }
 
-/// Reads the curves of a file's bytes; `path` is what errors call it, and what tells of columns without names.
+/// Reads the curves from the bytes of a file; `path` is its name in errors, and helps to recognise
+/// columns without names.
 ///
 /// # Errors
 /// As [`read`].

@@ -1,17 +1,19 @@
-//! Studies: many members, each worked on by itself, on as many threads as there are cores.
+//! Studies: many members, each computed independently, on as many threads as there are cores.
 //!
-//! A [`Member`] has a name and a key, the hash of its input. [`run`] hands each to a closure that gives its
-//! [`Row`]s of the table; what is done stands in a [`Journal`], so an interrupted study goes on where it was,
-//! and a member whose input has changed is done anew. Whatever goes wrong with one is a row with the reason
-//! and does not disturb the others. Rows do not depend on the number of threads.
+//! A [`Member`] has a name and a key, the hash of its input. [`run`] calls a closure for each
+//! member, which returns its [`Row`]s of the table. A [`Journal`] records finished members, so an
+//! interrupted study resumes, and a member whose input has changed is computed again. A member that
+//! fails becomes a row with the reason and does not affect the others. Rows do not depend on the
+//! number of threads.
 //!
 //! | module | a member is |
 //! |---|---|
-//! | [`pictures`] | a picture: its cells are found, meshed and beaten, or left out with the reason |
-//! | [`cells`] | a cell without a mesh: its beats, many cells side by side |
-//! | [`parameters`] | a run with numbers of its own: sensitivity analyses, populations |
+//! | [`pictures`] | a picture: its cells are found, meshed and simulated, or skipped with the reason |
+//! | [`cells`] | a cell without a mesh; many cells are integrated together |
+//! | [`parameters`] | a run with its own parameter values: sensitivity analyses, populations |
 //!
-//! [`sampling`] places the members of a study of parameters, and [`sensitivity`] says which of these matter.
+//! [`sampling`] chooses the parameter values of the members, and [`sensitivity`] computes which
+//! parameters matter.
 //!
 //! # Example
 //! Anything can be a member:
@@ -74,8 +76,8 @@ pub mod sampling;
 pub mod sensitivity;
 mod threads;
 
-/// What the work on a member says when it ends early because the study is to stop: the member is not done, and
-/// stands in no row; a study that goes on does it anew.
+/// Error that the work on a member returns when it ends early because the study is asked to stop.
+/// The member then has no row; a resumed study computes it again.
 pub use crate::interruption::Interrupted;
 pub use crate::output::files::sha256;
 pub use error::{Cause, StudyError};

@@ -262,7 +262,7 @@ fn whatever_goes_wrong_with_a_member_is_a_row_in_its_place() {
     let journal = Journal::in_memory();
     let report = study::run_together(&numbers, &journal, &threads(2), &(), together, work).unwrap();
     let reasons: Vec<&str> = report.rows.iter().map(|row| row.reason.as_str()).collect();
-    let mistake = "the program made a mistake; please report it with this number";
+    let mistake = "this is an error of the program; please report it together with this number";
     let refused = ["2.1 is not to be squared", "5.1 is not to be squared"];
     assert_eq!(reasons, ["", "", refused[0], mistake, "", refused[1], mistake]);
     assert_eq!((report.count(Status::Ok), report.count(Status::Failed)), (3, 4));

@@ -140,7 +140,7 @@ fn what_is_no_measurement_is_refused_and_nothing_is_written() {
             &["analyse", "two.csv"],
             "`two.csv`, column `length_um`: 2 frames; a beat needs at least 8",
         ),
-        (&["analyse", "words.csv"], "line 3, column `length_um`: \"long\" is no finite number"),
+        (&["analyse", "words.csv"], "line 3, column `length_um`: \"long\" is not a finite number"),
         (&["analyse", "back.csv"], "line 4, column `t_ms`: time 4 ms does not come after 8 ms"),
         (&["analyse", "bare.csv"], "no column of times"),
         (&["analyse", "bare.csv", "--frame-rate=-5"], "--frame-rate is `-5`"),
@@ -148,7 +148,7 @@ fn what_is_no_measurement_is_refused_and_nothing_is_written() {
             &["analyse", "still.csv", "--frame-rate", "50 /s"],
             "all 50 values are 5: there is no beat",
         ),
-        (&["analyse", "zelle.csv", "--frame-rate", "30"], "the frame rate given is 30.0000"),
+        (&["analyse", "zelle.csv", "--frame-rate", "30"], "the given frame rate is 30.0000"),
         (&["analyse", "zelle.csv", "--kind", "width"], "`width` is no kind of curve"),
         (&["analyse", "zelle.csv", "--columns", "Breite"], "no column `Breite`; its columns are"),
         (&["analyse", "zelle.csv", "--stimulus-times", "9 s"], "none of 1 stimuli falls"),
@@ -226,7 +226,7 @@ fn columns_of_one_name_of_like_names_and_of_long_names_have_a_figure_each() {
     let curves = summary["curves"].as_array().unwrap();
     assert_eq!(curves.len(), 7);
     assert_eq!(curves[5]["curve"], "length twin (um) (column 7)");
-    assert!(stderr(&output).contains("several columns have one name"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("several columns share a name"), "{}", stderr(&output));
     let figures = names(&folder.path().join("results/names_beats/figures"));
     assert_eq!(figures.len(), 2 * curves.len(), "{figures:?}");
     let lower: std::collections::BTreeSet<String> =

@@ -30,7 +30,7 @@ fn calcium_from_a_table_drives_a_cell_that_shows_it_and_no_potential() {
     let refused = run(&["--calcium", "trace.csv", "--force"]);
     assert_ne!(refused.status.code(), Some(0));
     let message = stderr(&refused);
-    assert!(message.contains("line 3, column `calcium (nM)`: \"x\" is no finite"), "{message}");
+    assert!(message.contains("line 3, column `calcium (nM)`: \"x\" is not a finite"), "{message}");
 }
 
 #[test]

@@ -1,21 +1,22 @@
-//! Drugs and their doses: a file of `[[drug]]` blocks to a control and a series of doses.
+//! Drugs and their doses: reads a file of `[[drug]]` blocks into a control and a series of doses.
 //!
-//! A block says which number of the run a drug changes, and how the change grows with the concentration c, by the
-//! Hill equation (`mirams_2011`, there for the block of a channel):
+//! A block states which number of the run a drug changes, and how the change depends on the
+//! concentration c, by the Hill equation (`mirams_2011`, there for the block of a channel):
 //!
 //! ```text
 //! factor = 1 + maximal_effect c^hill / (ic50^hill + c^hill)
 //! ```
 //!
-//! A maximal effect of -1 takes the number to 0, one of 0.5 to half as much again. Blocks of one name are one drug with
-//! several effects; `[[together]]` blocks give several drugs at once, whose factors multiply.
+//! A maximal effect of -1 reduces the number to 0, one of 0.5 increases it by half. Blocks with the
+//! same name describe one drug with several effects; `[[together]]` blocks give several drugs at
+//! once, whose factors are multiplied.
 
 use super::factor::Factor;
 use crate::units::{self, Dimension, UnitError};
 use serde::Deserialize;
 use std::fmt::Write as _;
 
-/// A file to start from.
+/// Example of such a file.
 pub const EXAMPLE: &str = "\
 # A drug that weakens the cell by up to 80 %, half of that at 1 uM.
 [[drug]]
@@ -27,7 +28,8 @@ hill = 1.0               # 1 unless stated
 maximal_effect = -0.8    # -1 unless stated: the parameter goes to 0
 ";
 
-/// A file for ToR-ORd: two drugs that block channels, one of them two, alone and together. Their numbers are made up.
+/// Example for ToR-ORd: two drugs that block channels, alone and together; one of them blocks two.
+/// The numbers are invented.
 pub const CHANNELS_EXAMPLE: &str = "[[drug]]
 name = \"calcium blocker\"
 parameter = \"P_Ca\"
@@ -51,39 +53,39 @@ ic50 = \"10 nM\"
 doses = [\"calcium blocker 1 uM\", \"potassium blocker 10 nM\"]
 ";
 
-/// One dose, or the control: which numbers are multiplied by what.
+/// One dose, or the control: the factors on numbers of the run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dose {
-    /// For people: `blocker 1 uM`, `control`.
+    /// Label for users: `blocker 1 uM`, `control`.
     pub label: String,
-    /// None of the control.
+    /// Factors; empty for the control.
     pub factors: Vec<Factor>,
 }
 
 /// Why a file of doses was not read.
 #[derive(Debug, thiserror::Error)]
 pub enum DoseError {
-    /// Not TOML.
+    /// The text is not TOML.
     #[error("line {line}: {reason}")]
     Syntax {
         /// Line, counted from 1.
         line: usize,
-        /// What the reader says.
+        /// Message of the TOML reader.
         reason: String,
     },
-    /// Neither a `[drug]` nor a `[[drug]]` block, or something beside them.
+    /// There is no `[drug]` or `[[drug]]` block, or there is anything else.
     #[error(
-        "{found}; a file of doses has [[drug]] blocks, perhaps [[together]] blocks, and nothing else, like\n\
+        "{found}; a file of doses has [[drug]] blocks, optionally [[together]] blocks, and nothing else, like\n\
          {EXAMPLE}"
     )]
     Blocks {
         /// What is wrong.
         found: String,
     },
-    /// A block that lacks something or has too much.
+    /// A block lacks a key or has an unknown one.
     #[error("drug {number}: {reason}")]
     Block {
-        /// Which, counted from 1.
+        /// Number of the block, from 1.
         number: usize,
         /// What is wrong with it.
         reason: String,
@@ -91,41 +93,41 @@ pub enum DoseError {
     /// A concentration without its unit.
     #[error("drug {number}: `{key}`: {cause}; write it like \"1 uM\"")]
     Unit {
-        /// Which, counted from 1.
+        /// Number of the block, from 1.
         number: usize,
         /// `concentration` or `ic50`.
         key: &'static str,
         /// What is wrong.
         cause: UnitError,
     },
-    /// A number out of its bounds.
+    /// A number is outside its bounds.
     #[error("drug {number}: `{key}` = {value} is outside its bounds, {bounds}")]
     OutOfBounds {
-        /// Which, counted from 1.
+        /// Number of the block, from 1.
         number: usize,
         /// The key.
         key: &'static str,
-        /// What was given.
+        /// The given value.
         value: String,
         /// The bounds in words.
         bounds: &'static str,
     },
-    /// A dose among several drugs that names none of them.
+    /// A dose of several drugs names a drug that the file does not have.
     #[error(
-        "together {number}: `{text}` is no dose of {known}; write the drug and a concentration, like \
+        "together {number}: `{text}` is not a dose of {known}; write the drug and a concentration, like \
          \"blocker 1 uM\""
     )]
     Together {
-        /// Which, counted from 1.
+        /// Number of the block, from 1.
         number: usize,
-        /// What was written.
+        /// The text of the dose.
         text: String,
-        /// The drugs of the file.
+        /// Drugs of the file.
         known: String,
     },
-    /// Blocks of one drug with different concentrations.
+    /// Blocks of one drug have different concentrations.
     #[error(
-        "the blocks of `{name}` differ in their concentrations; one drug is given at the same ones"
+        "the blocks of `{name}` differ in their concentrations; give all blocks of a drug the same ones"
     )]
     Concentrations {
         /// The drug.
@@ -133,13 +135,13 @@ pub enum DoseError {
     },
 }
 
-/// A block as it is written.
+/// A block of the file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Block {
     name: Option<String>,
     parameter: String,
-    /// One or several.
+    /// One concentration or several.
     concentration: toml::Value,
     ic50: toml::Value,
     #[serde(default = "one")]
@@ -148,7 +150,7 @@ struct Block {
     maximal_effect: f64,
 }
 
-/// Several drugs at once, as it is written.
+/// A block of several drugs at once.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Together {
@@ -163,7 +165,7 @@ fn minus_one() -> f64 {
     -1.0
 }
 
-/// A drug: its name, its concentrations in uM, and what they do.
+/// A drug: its name, its concentrations in uM and its effects.
 struct Drug {
     name: String,
     concentrations: Vec<f64>,
@@ -178,18 +180,18 @@ struct Effect {
 }
 
 impl Effect {
-    /// What the parameter is multiplied by at a concentration, uM.
+    /// Returns the factor on the number at a concentration in uM.
     fn factor(&self, concentration: f64) -> f64 {
         if concentration <= 0.0 {
             return 1.0;
         }
-        // c^h/(i^h + c^h) without powers that overflow
+        // c^h/(i^h + c^h), rearranged so that powers do not overflow.
         1.0 + self.maximal / (1.0 + (self.ic50 / concentration).powf(self.hill))
     }
 }
 
 impl Drug {
-    /// What it does at a concentration, uM.
+    /// Returns the factors of all effects at a concentration in uM.
     fn factors(&self, concentration: f64) -> Vec<Factor> {
         let factor = |effect: &Effect| Factor {
             name: effect.parameter.clone(),
@@ -199,11 +201,11 @@ impl Drug {
     }
 }
 
-/// The control, then each dose of each drug in the order of the file, then the drugs that are given together; blocks
-/// of one name are one drug.
+/// Reads a file of doses. Returns the control, then each dose of each drug in the order of the
+/// file, then the combinations of drugs; blocks with the same name are one drug.
 ///
 /// # Errors
-/// What is no such file, with the block and the key.
+/// Anything that is not such a file, with the block and the key.
 ///
 /// # Example
 /// ```
@@ -236,7 +238,7 @@ pub fn read(text: &str) -> Result<Vec<Dose>, DoseError> {
     Ok(doses)
 }
 
-/// Several drugs at once: what they do to one number multiplies.
+/// Returns a dose of several drugs at once: factors on the same number are multiplied.
 fn several(number: usize, block: toml::Value, drugs: &[Drug]) -> Result<Dose, DoseError> {
     let Together { doses } = block.try_into().map_err(|error: toml::de::Error| {
         DoseError::Blocks { found: format!("together {number}: {}", error.message()) }
@@ -248,7 +250,7 @@ fn several(number: usize, block: toml::Value, drugs: &[Drug]) -> Result<Dose, Do
             text: text.clone(),
             known: drugs.iter().map(|drug| drug.name.as_str()).collect::<Vec<_>>().join(", "),
         };
-        // Of drugs whose names begin alike, the one with the longest.
+        // If several names of drugs match, the longest one counts.
         let named = drugs.iter().filter(|drug| text.starts_with(&drug.name));
         let drug = named.max_by_key(|drug| drug.name.len()).ok_or_else(unknown)?;
         let rest = text[drug.name.len()..].trim();

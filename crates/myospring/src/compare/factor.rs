@@ -1,25 +1,25 @@
-//! Factors on the numbers of a run.
+//! Factors on numbers of a run.
 
 use crate::settings::{Number, NumberError, Problem, Run};
 use serde::Serialize;
 
-/// A number of a run by its name, and what it is multiplied by.
+/// Name of a number of a run, and the factor on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factor {
     /// A parameter of the cell model (`tau_si`) or a setting with a number (`peak_tension`, `material.thickness`).
     pub name: String,
-    /// Finite; 1 changes nothing.
+    /// Factor, finite; 1 changes nothing.
     pub factor: f64,
 }
 
 /// A number of a run that was multiplied.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scaled {
-    /// Its key in a run file: `cell.parameters.tau_si`.
+    /// Key in a run file: `cell.parameters.tau_si`.
     pub key: String,
     /// Unit of both values; empty for a pure number.
     pub unit: String,
-    /// What it was multiplied by.
+    /// Factor that was applied.
     pub factor: f64,
     /// The value before.
     pub before: f64,
@@ -30,49 +30,49 @@ pub struct Scaled {
 /// Why a factor was not read or not applied.
 #[derive(Debug, thiserror::Error)]
 pub enum FactorError {
-    /// Not of the form name=factor.
-    #[error("`{text}` is no factor; write a name and a number, like tau_si=1.2")]
+    /// The text is not of the form name=factor.
+    #[error("`{text}` is not a factor; write a name and a number, like tau_si=1.2")]
     Syntax {
-        /// What was written.
+        /// The text.
         text: String,
     },
-    /// Given two factors at once.
+    /// A number has two factors.
     #[error("`{name}` has two factors; give one, their product")]
     Twice {
-        /// What was named twice.
+        /// Name of the number.
         name: String,
     },
-    /// A factor changes nothing of it.
-    #[error("`{key}` is 0 in this run, which a factor does not change; give it a value instead")]
+    /// The value is 0, which no factor changes.
+    #[error("`{key}` is 0 in this run, so a factor has no effect; give it a value instead")]
     Zero {
         /// The key.
         key: String,
     },
-    /// No number of the run has that name, or several have.
+    /// No number of the run has that name, or several numbers have it.
     #[error(transparent)]
     Name(#[from] NumberError),
-    /// The run decides the value itself.
-    #[error("`{key}` has no value in this run that could be multiplied; give it one")]
+    /// The run chooses the value itself.
+    #[error("`{key}` has no value in this run that a factor could multiply; give it a value")]
     NoValue {
         /// The key.
         key: String,
     },
-    /// The product is none of its values.
+    /// The product is not a valid value.
     #[error("{key} times {factor}: {problem}")]
     Refused {
         /// The key.
         key: String,
         /// The factor.
         factor: f64,
-        /// What is wrong with it.
+        /// What is wrong with the product.
         problem: Problem,
     },
 }
 
-/// Reads factors as they are written on a command line.
+/// Reads factors from the text of a command line.
 ///
 /// # Errors
-/// What is not `name=number`, and a name that is there twice.
+/// A text that is not `name=number`, and a repeated name.
 ///
 /// # Example
 /// ```
@@ -102,10 +102,10 @@ pub fn parse(text: &str) -> Result<Vec<Factor>, FactorError> {
     Ok(factors)
 }
 
-/// Multiplies numbers of a run, one after the other, and says what became of each.
+/// Multiplies numbers of a run, one after the other, and returns their values before and after.
 ///
 /// # Errors
-/// A name that is none, or several; a product outside the bounds.
+/// An unknown or ambiguous name; a product outside the bounds.
 ///
 /// # Example
 /// ```

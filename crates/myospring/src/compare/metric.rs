@@ -1,32 +1,32 @@
-//! The numbers of runs beside each other.
+//! Metrics of runs and their differences.
 
 use crate::analysis::Metric;
 use crate::analysis::beat::{Beat, Beats};
 use serde::Serialize;
 
-/// A metric of several runs; of several beats the mean of those that count.
+/// A metric of several runs; for several beats, the mean of those that count.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// Name in whole words, snake case.
+    /// Name in full words, snake case.
     pub name: &'static str,
     /// Unit of the values.
     pub unit: &'static str,
-    /// Unit of the differences: per cent of something become percentage points.
+    /// Unit of the differences: for a value in per cent, percentage points.
     pub difference_unit: &'static str,
-    /// How it is defined.
+    /// Definition.
     pub definition: &'static str,
-    /// One for each run; `None` where its curve does not show it.
+    /// Values, one per run; `None` if the curve does not show the metric.
     pub values: Vec<Option<f64>>,
-    /// That of each run less that of the first.
+    /// Value of each run minus that of the first.
     pub differences: Vec<Option<f64>>,
-    /// The difference in per cent of the first run's value; `None` where that is nothing but rounding.
+    /// Difference in per cent of the first run's value; `None` if that value is 0 within rounding.
     pub differences_pct: Vec<Option<f64>>,
 }
 
-/// A value below this, in its own unit, is that of curves with 9 digits whose true value is 0.
+/// A value below this, in its own unit, counts as 0: curves are written with 9 digits.
 const ROUNDING: f64 = 1e-3;
 
-/// The metrics of runs, each with its difference from the first run's.
+/// Returns the metrics of runs, each with its differences from the first run.
 ///
 /// # Example
 /// ```

@@ -1,20 +1,21 @@
-//! In which settings runs differ, and what that means for their comparison.
+//! Settings in which runs differ, and warnings about their comparison.
 
 use crate::run_file::RunFile;
 use crate::settings::{Value, table};
 use serde::Serialize;
 
-/// A key in which runs differ, and its value in each of them.
+/// A key in which runs differ, and its value in each run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Different {
-    /// The key in a run file: `stimulus.cycle_length`, `cell.parameters.tau_si`.
+    /// Key in a run file: `stimulus.cycle_length`, `cell.parameters.tau_si`.
     pub key: String,
-    /// As it is written; `None` where a run has none, such as a parameter that is as published.
+    /// Value in each run as text; `None` if a run does not state one, such as a parameter with its
+    /// published value.
     pub values: Vec<Option<String>>,
 }
 
-/// The keys in which resolved runs ([`crate::settings::Run::settled`]) differ, in the order of the settings. Titles
-/// are no difference.
+/// Returns the keys in which resolved runs ([`crate::settings::Run::settled`]) differ, in the order
+/// of the settings. Titles are ignored.
 ///
 /// # Example
 /// ```
@@ -68,7 +69,7 @@ fn add(found: &mut Vec<Different>, key: String, values: &[Option<&Value>]) {
     }
 }
 
-/// What runs should have in common, by the keys that say so.
+/// What runs should have in common, with the keys that determine it.
 const COMMON: [(&str, &[&str]); 5] = [
     ("pacing", &["stimulus.", "run.duration"]),
     ("cell or mesh", &["shape.", "segmentation."]),
@@ -86,14 +87,14 @@ const COMMON: [(&str, &[&str]); 5] = [
     ("numerics", &["numerics.", "cell.integrator", "cell.step", "cell.tolerance"]),
 ];
 
-/// So many settings of a kind are told in a warning; a table has all.
+/// Largest number of settings of a kind that a warning lists; the table has all.
 const SAID: usize = 4;
 
-/// It follows from the material, and a converged run does not depend on it.
+/// Key that is ignored: it follows from the material, and a converged run does not depend on it.
 const CONSEQUENCE: &str = "numerics.time_step";
 
-/// What a person should know before taking differences of numbers for the effect of something: runs with another
-/// pacing, cell, model, support or numerics, each with its keys and values.
+/// Returns warnings for users who compare metrics: runs that differ in pacing, cell, model, support
+/// or numerics, with the keys and values.
 pub fn warnings(different: &[Different], labels: &[&str]) -> Vec<String> {
     let mut warnings = Vec::new();
     for (what, prefixes) in COMMON {
@@ -116,7 +117,8 @@ pub fn warnings(different: &[Different], labels: &[&str]) -> Vec<String> {
     warnings
 }
 
-/// A value as a person reads it: of a number at most six digits, `none` where there is none.
+/// Returns a value as text for users: numbers with at most six digits, and `none` for a missing
+/// value.
 ///
 /// # Example
 /// ```
@@ -135,7 +137,7 @@ pub fn shown(value: Option<&str>) -> String {
     }
 }
 
-/// `run.duration is 600 ms in A and 900 ms in B`.
+/// Returns a sentence such as `run.duration is 600 ms in A and 900 ms in B`.
 fn in_words(different: &Different, labels: &[&str]) -> String {
     let mut parts: Vec<(String, Vec<&str>)> = Vec::new();
     for (value, label) in different.values.iter().zip(labels) {

@@ -1,35 +1,37 @@
-//! What a column holds, by its name and unit: `time (ms)`, `Length [µm]`, `Ca_nM`, `frame`.
+//! Recognises what a column contains by its name and unit: `time (ms)`, `Length [µm]`, `Ca_nM`,
+//! `frame`.
 
 use crate::analysis::kind::Kind;
 use crate::units::{self, Dimension};
 
-/// What a column holds.
+/// Content of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Holds {
     Time,
-    /// Number of the frame.
+    /// Frame number.
     Frame,
-    /// When something was marked, such as a stimulus; what was is written beside it.
+    /// Time of a mark, such as a stimulus; another column says what was marked.
     MarkTime,
-    /// Which cell, sarcomere or region a row belongs to.
+    /// Identifier of the cell, sarcomere or region that a row belongs to.
     Identity,
     Curve(Kind),
-    /// By its name a curve of this kind, but its unit measures something else: `I_Ca (pA)`, `calcium rise (ms)`.
+    /// The name is that of this kind of curve, but the unit is that of another quantity: `I_Ca
+    /// (pA)`, `calcium rise (ms)`.
     Contradicts(Kind),
-    /// Nothing that is known by this name.
+    /// Anything else.
     Other,
 }
 
 /// A column's name and unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Title {
-    /// Without the unit.
+    /// Name without the unit.
     pub(super) name: String,
-    /// As `units` knows it; empty where none is given.
+    /// Unit as `units` writes it; empty if the header gives none.
     pub(super) unit: String,
 }
 
-/// Other ways to write units that [`units::symbol`] does not know.
+/// Spellings of units that [`units::symbol`] does not know, with the unit.
 const WRITTEN: [(&str, &str); 16] = [
     ("pixel", "px"),
     ("pixels", "px"),
@@ -49,10 +51,10 @@ const WRITTEN: [(&str, &str); 16] = [
     ("1", ""),
 ];
 
-/// Forces of programs that count in SI units.
+/// Unit of forces in programs that use SI units.
 const NEWTON: &str = "N";
 
-/// Dimensions that columns of curves have.
+/// Dimensions of curves.
 const DIMENSIONS: [Dimension; 6] = [
     Dimension::Time,
     Dimension::Length,
@@ -62,7 +64,7 @@ const DIMENSIONS: [Dimension; 6] = [
     Dimension::Voltage,
 ];
 
-/// A unit as `units` writes it, `px`, `%` or `a.u.`; `None` for what is none.
+/// Returns a unit as `units` writes it, `px`, `%` or `a.u.`; `None` if the text is not a unit.
 pub(super) fn unit(text: &str) -> Option<String> {
     let text = units::symbol(text);
     let whole = text.to_lowercase();
@@ -75,7 +77,8 @@ pub(super) fn unit(text: &str) -> Option<String> {
     if text == NEWTON {
         return Some(text);
     }
-    // As it stands, then in small letters: `MS`, `Um`, but `mM` is not `mm`.
+    // First unchanged, then in lower case: `MS` and `Um` are units, too, but `mM` must not become
+    // `mm`.
     [text, whole].into_iter().find(|unit| {
         let one = format!("1 {unit}");
         !unit.is_empty()
@@ -83,12 +86,12 @@ pub(super) fn unit(text: &str) -> Option<String> {
     })
 }
 
-/// Whether a field is nothing but a unit, brackets or not.
+/// Whether a field contains only a unit, with or without brackets.
 pub(super) fn is_unit(field: &str) -> bool {
     unit(field.trim_matches(['(', ')', '[', ']'])).is_some()
 }
 
-/// Name and unit of a header: `time (ms)`, `time [ms]`, `time_ms`, `time/ms`, `time, ms`.
+/// Splits a header into name and unit: `time (ms)`, `time [ms]`, `time_ms`, `time/ms`, `time, ms`.
 pub(super) fn title(header: &str) -> Title {
     let header = header.trim();
     for (open, close) in [('(', ')'), ('[', ']')] {
@@ -113,12 +116,12 @@ pub(super) fn title(header: &str) -> Title {
             }
         }
     }
-    // `Sec` alone is a column of times.
+    // `Sec` alone is the name of a column of times.
     let unit = unit(header).filter(|unit| !unit.is_empty()).unwrap_or_default();
     Title { name: header.to_owned(), unit }
 }
 
-/// `mM_per_ms` at the end of a name, as our own tables write a ratio of units.
+/// Splits a header that ends in a ratio of units such as `mM_per_ms`, as our own tables write it.
 fn of_ratio(header: &str) -> Option<Title> {
     let (front, below) = header.rsplit_once("_per_")?;
     let (name, above) = front.rsplit_once('_')?;
@@ -127,13 +130,14 @@ fn of_ratio(header: &str) -> Option<Title> {
         .then(|| Title { name: name.to_owned(), unit: format!("{above}/{below}") })
 }
 
-/// Whether a single letter at the end of a name is its unit: `t_s`, `Vm_V`, but not `f_Ca_s`, the slow gate of a calcium
-/// current. It is one where what the name says is measured in it.
+/// Whether a single letter at the end of a name is a unit: it is in `t_s` and `Vm_V`, but not in
+/// `f_Ca_s`, the slow gate of a calcium current. The letter must be a unit of the quantity that the
+/// name states.
 fn agrees(title: &Title) -> bool {
     matches!(holds(title), Holds::Time | Holds::Curve(_))
 }
 
-/// What a column of this title holds.
+/// Returns what a column with this title contains.
 pub(super) fn holds(title: &Title) -> Holds {
     match by_name(title) {
         Holds::Curve(kind)
@@ -145,8 +149,8 @@ pub(super) fn holds(title: &Title) -> Holds {
     }
 }
 
-/// What the columns of a table hold: beside a column of times one that is called `s` or `ms` alone, such as the gate of a
-/// cell model, is none.
+/// Returns what the columns of a table contain. If one column is a time by its name, a column
+/// called only `s` or `ms`, such as a gate of a cell model, is not a time.
 pub(super) fn all_hold(titles: &[Title]) -> Vec<Holds> {
     let mut held: Vec<Holds> = titles.iter().map(holds).collect();
     let is_bare = |title: &Title| unit(&title.name).is_some();
@@ -161,24 +165,26 @@ pub(super) fn all_hold(titles: &[Title]) -> Vec<Holds> {
     held
 }
 
-/// Letters that an index of a symbol has at most.
+/// Largest number of letters in an index of a symbol.
 const LONGEST_INDEX: usize = 3;
 
-/// Whether a name is a letter with indices: `f_Ca`, `x_s1`, but not `t`, `L_0` or `V_1`, where the indices are numbers.
+/// Whether a name is a letter with indices, such as `f_Ca` or `x_s1`; not `t`, `L_0` or `V_1`,
+/// where the indices are numbers.
 fn is_symbol(name: &str) -> bool {
     let mut parts = name.split('_');
     let letter = parts.next().is_some_and(|first| first.chars().count() == 1);
     letter && parts.any(|index| index.starts_with(char::is_alphabetic))
 }
 
-/// What a column holds by its name, whatever its unit.
+/// Returns what a column contains by its name alone, without regard to its unit.
 fn by_name(title: &Title) -> Holds {
-    // What stands in brackets and is no unit, such as a dye, tells as much as the name.
+    // Text in brackets that is not a unit, such as the name of a dye, is used like the name.
     let known = title.unit.is_empty() || unit(&title.unit).is_some();
     let whole = if known { title.name.clone() } else { format!("{} {}", title.name, title.unit) };
     let name = whole.to_lowercase().replace(['_', '-', '.'], " ");
     let mut words: Vec<&str> = name.split_whitespace().collect();
-    // A letter with indices, such as `f_Ca_f` or `h_L`, is a symbol of a model: its indices are no calcium and no length.
+    // A letter with indices, such as `f_Ca_f` or `h_L`, is a symbol of a model: its indices do not
+    // mean calcium or length.
     if is_symbol(&whole) {
         words.retain(|word| word.len() > LONGEST_INDEX);
     }
@@ -205,7 +211,7 @@ fn by_name(title: &Title) -> Holds {
     if word(&["time", "times"]) && word(&marks) {
         return Holds::MarkTime;
     }
-    // `Time 0`, `Time 1`: one for each channel.
+    // `Time 0`, `Time 1`: one column of times per channel.
     let numbered = matches!(words[..], ["time", number] if number.parse::<u32>().is_ok());
     if only(&[
         "time",
@@ -238,7 +244,7 @@ fn by_name(title: &Title) -> Holds {
     ]) {
         return Holds::Identity;
     }
-    // Rates and times of something are no curve of it, and no width is a length.
+    // The rate or the time of a quantity is not its curve, and a width is not a length.
     let rate = ["speed", "velocity", "rate", "d/dt", "derivative", "width", "angle", "area"];
     if rate.iter().any(|part| has(part)) || has("energy") || has("work") || has("shortening time") {
         return Holds::Other;
@@ -306,7 +312,7 @@ fn by_name(title: &Title) -> Holds {
         "gfp",
         "cal520",
     ];
-    // `Mean`, `Mean1`: of regions in ImageJ.
+    // `Mean`, `Mean1`: mean values of regions in ImageJ.
     let mean = name
         .trim()
         .strip_prefix("mean")
@@ -327,14 +333,15 @@ fn by_name(title: &Title) -> Holds {
     if motion.iter().any(|part| has(part)) {
         return Holds::Curve(Kind::Contraction);
     }
-    // A trace without a name of its own, such as `Trace #1 (mV)`, may still have a unit that only potentials have.
+    // A trace with a general name, such as `Trace #1 (mV)`, is recognised by a unit that only
+    // potentials have.
     if title.unit == "mV" {
         return Holds::Curve(Kind::Potential);
     }
     Holds::Other
 }
 
-/// What turns the numbers of a column into those of a curve.
+/// Conversion from the numbers of a column to the values of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
     pub(super) kind: Kind,
@@ -342,7 +349,8 @@ pub(super) struct Scale {
     pub(super) unit: &'static str,
 }
 
-/// How numbers of this kind and unit become those of a curve; with the size of a pixel, um.
+/// Returns the conversion from numbers of this kind and unit to values of a curve. `pixel_um` is
+/// the pixel size in um.
 pub(super) fn scale(kind: Kind, unit: &str, pixel_um: Option<f64>) -> Result<Scale, String> {
     let fixed = |kind, factor, unit| Ok(Scale { kind, factor, unit });
     let of = |dimension: Dimension, written: &'static str| {
@@ -369,7 +377,7 @@ pub(super) fn scale(kind: Kind, unit: &str, pixel_um: Option<f64>) -> Result<Sca
         Kind::Shortening => match unit {
             "" | "%" => fixed(kind, 1.0, "%"),
             _ => Err(format!(
-                "a shortening in `{unit}` is none of a length; give %, or --kind contraction for a way"
+                "a shortening is a percentage of a length, not in `{unit}`; give %, or --kind contraction for a distance"
             )),
         },
         Kind::Contraction => match unit {

@@ -1,38 +1,41 @@
-//! Measured curves, and what was taken for granted of them.
+//! Measured curves, and the assumptions made when they were read.
 
 use crate::analysis::kind::Kind;
 
 /// A measured curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Its column, or row, as the file calls it, or by number.
+    /// Name of its column or row in the file, or its number.
     pub name: String,
-    /// What its values are.
+    /// Kind of its values.
     pub kind: Kind,
     /// Unit of the values: `um`, `px`, `%`, `nN`, `kPa`, `uM`, `mV`, `a.u.`, or nothing for pure numbers.
     pub unit: &'static str,
-    /// Times in ms, rising; as the file has them, or frames over the frame rate from 0 on.
+    /// Times in ms, increasing: those of the file, or frame number over frame rate, from 0 on.
     pub times_ms: Vec<f64>,
-    /// A value for each time.
+    /// Values, one per time.
     pub values: Vec<f64>,
-    /// The line of the file that each value stands in, from 1.
+    /// Line of the file that each value was read from, counted from 1.
     pub lines: Vec<u64>,
-    /// When a pacer stimulated, ms on the same clock, where the file has marks of one.
+    /// Times of stimuli on the same clock, ms, if the file has marks of a pacer.
     pub stimuli_ms: Vec<f64>,
 }
 
 impl Curve {
-    /// Frames a second: the inverse of the median time between them; `None` of less than two.
+    /// Returns the frame rate in frames per second, the inverse of the median interval; `None` for
+    /// fewer than two frames.
     pub fn frame_rate_per_s(&self) -> Option<f64> {
         let mut steps: Vec<f64> = self.times_ms.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
         Some(1e3 / steps.get(steps.len() / 2)?)
     }
 
-    /// The part from one time to another, ms on its own clock; `None` takes what there is.
+    /// Returns the part of the curve from one time to another, in ms on its own clock; `None`
+    /// stands for its start or end.
     ///
     /// # Errors
-    /// A part without a frame, or an end that does not come after its start; with when the recording begins and ends.
+    /// A part without a frame, or an end that is not after its start; the message states when the
+    /// recording begins and ends.
     pub fn part(mut self, from_ms: Option<f64>, until_ms: Option<f64>) -> Result<Self, String> {
         let (Some(first), Some(last)) = (self.times_ms.first(), self.times_ms.last()) else {
             return Ok(self);
@@ -42,7 +45,7 @@ impl Curve {
             self.times_ms.iter().map(|time| (from..=until).contains(time)).collect();
         if !keep.contains(&true) {
             return Err(format!(
-                "nothing of `{}` lies from {from} to {until} ms; the recording runs from {first} to {last} ms",
+                "`{}` has no values from {from} to {until} ms; the recording runs from {first} to {last} ms",
                 self.name
             ));
         }
@@ -61,8 +64,8 @@ impl Curve {
 /// The curves of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// In the order of the file; at least one.
+    /// Curves in the order of the file; at least one.
     pub curves: Vec<Curve>,
-    /// What was found and taken for granted, as sentences for people.
+    /// What was detected and assumed, as sentences for users.
     pub notes: Vec<String>,
 }

@@ -1,17 +1,17 @@
-//! Bytes of a file to text, whatever program wrote them.
+//! Decodes the bytes of a file into text.
 
 /// Whether bytes are an archive, as workbooks (.xlsx) are.
 pub(super) fn is_workbook(bytes: &[u8]) -> bool {
     bytes.starts_with(b"PK\x03\x04")
 }
 
-/// The text of a file, or what the file is instead.
+/// Decodes the text of a file.
 ///
-/// UTF-8 with or without a byte order mark, UTF-16 as spreadsheets and Windows programs write it, and else
-/// Windows-1252, whose upper half is what `µ` and `°` are written in.
+/// Understands UTF-8 with or without a byte order mark and UTF-16 as spreadsheets and Windows
+/// programs write it. Anything else is read as Windows-1252, in which `µ` and `°` are single bytes.
 ///
 /// # Errors
-/// Bytes that are no text: what they are, as far as that is known.
+/// Bytes that are not text, with the kind of file if it is known.
 pub fn decoded(bytes: &[u8]) -> Result<String, &'static str> {
     const KNOWN: [(&[u8], &str); 5] = [
         (b"PK\x03\x04", "a workbook of a spreadsheet (.xlsx) or an archive; save the sheet as CSV"),
@@ -31,7 +31,8 @@ pub fn decoded(bytes: &[u8]) -> Result<String, &'static str> {
         [0xef, 0xbb, 0xbf, rest @ ..] => String::from_utf8_lossy(rest).into_owned(),
         [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
         [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
-        // A table's first two letters are ASCII, whose upper byte is 0.
+        // UTF-16 without a byte order mark: the first two letters of a table are ASCII, so one byte
+        // of each is 0.
         [first, 0, third, 0, ..] if *first != 0 && *third != 0 => wide(bytes, u16::from_le_bytes),
         [0, second, 0, fourth, ..] if *second != 0 && *fourth != 0 => {
             wide(bytes, u16::from_be_bytes)
@@ -42,7 +43,9 @@ pub fn decoded(bytes: &[u8]) -> Result<String, &'static str> {
         },
     };
     if text.chars().any(|letter| letter.is_control() && !"\t\r\n\u{c}\u{1a}".contains(letter)) {
-        return Err("no text; export the curves as text or CSV from the program that wrote it");
+        return Err(
+            "not a text file; export the curves as text or CSV from the program that wrote it",
+        );
     }
     Ok(text.replace("\r\n", "\n").replace('\r', "\n").replace(['\u{1a}', '\u{c}'], ""))
 }

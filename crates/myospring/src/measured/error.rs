@@ -10,27 +10,27 @@ pub enum ReadError {
     Read {
         /// The file.
         path: String,
-        /// What the system says.
+        /// Error of the operating system.
         cause: io::Error,
     },
-    /// It is no text.
+    /// The file is not text.
     #[error("`{path}` is {what}")]
     NotText {
         /// The file.
         path: String,
-        /// What it is, and what to do.
+        /// What the file is, and what to do.
         what: &'static str,
     },
-    /// A field that is no number, or one that cannot be.
+    /// A field that is not a number, or a number that cannot be right.
     #[error("`{path}`, line {line}, column `{column}`: {cause}")]
     Field {
         /// The file.
         path: String,
-        /// Its line, from 1.
+        /// Line number, from 1.
         line: u64,
-        /// The column as its header calls it, or its number.
+        /// Name of the column in the header, or its number.
         column: String,
-        /// What is wrong, with the value, and how to mend it.
+        /// What is wrong, with the value, and how to correct it.
         cause: String,
     },
     /// The file as a whole gives no curves.
@@ -38,13 +38,13 @@ pub enum ReadError {
     Table {
         /// The file.
         path: String,
-        /// What is wrong, and how to mend it.
+        /// What is wrong, and how to correct it.
         cause: String,
     },
 }
 
 impl ReadError {
-    /// What is wrong, without the name of the file.
+    /// Returns what is wrong, without the name of the file.
     pub(super) fn cause(&self) -> String {
         match self {
             Self::Read { cause, .. } => cause.to_string(),

@@ -1,6 +1,6 @@
-//! Numbers as people and programs write them: decimal comma or point, thousands parted or not.
+//! Reads numbers with a decimal comma or point and with or without separators of thousands.
 
-/// What stands before the decimals.
+/// Decimal mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Decimal {
     /// `1,234.5`
@@ -9,19 +9,19 @@ pub(super) enum Decimal {
     Comma,
 }
 
-/// What a field holds.
+/// Content of a field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Cell {
     Number(f64),
-    /// Nothing, or a word for it: `NaN`, `n/a`.
+    /// No value: an empty field or a word such as `NaN` or `n/a`.
     Missing,
     Text,
 }
 
-/// Words for no number.
+/// Words that stand for a missing value, in lower case.
 const MISSING: [&str; 9] = ["", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--"];
 
-/// What a field holds, with this mark of decimals.
+/// Reads a field with this decimal mark.
 pub(super) fn cell(field: &str, decimal: Decimal) -> Cell {
     let field = field.trim();
     if MISSING.contains(&field.to_lowercase().as_str()) {
@@ -31,7 +31,7 @@ pub(super) fn cell(field: &str, decimal: Decimal) -> Cell {
 }
 
 fn number(field: &str, decimal: Decimal) -> Option<f64> {
-    // Names of numbers (`inf`) are none that was measured.
+    // Words that parse as numbers (`inf`) are not measured values.
     if !field.bytes().any(|byte| byte.is_ascii_digit()) {
         return None;
     }
@@ -55,33 +55,38 @@ fn number(field: &str, decimal: Decimal) -> Option<f64> {
     plain.parse::<f64>().ok().filter(|number| number.is_finite())
 }
 
-/// Numbers beyond these were not measured, in any unit, and calculations with them would overflow.
+/// Largest magnitude that is accepted as measured, in any unit; calculations with larger numbers
+/// would overflow.
 const LARGEST: f64 = 1e30;
 const SMALLEST: f64 = 1e-30;
 
-/// Why a number was not measured, if it is so large.
+/// Returns a message if a number is too large to have been measured.
 pub(super) fn is_too_large(number: f64) -> Option<String> {
     (number.abs() > LARGEST)
-        .then(|| format!("{number:e} is larger than anything measured; mend or delete the row"))
+        .then(|| format!("{number:e} is larger than anything measured; correct or delete the row"))
 }
 
-/// Why numbers were not measured, if the largest is so small and not 0.
+/// Returns a message if the largest magnitude is too small to have been measured, but not 0.
 pub(super) fn are_too_small(numbers: &[f64]) -> Option<String> {
     let largest = numbers.iter().fold(0.0, |most: f64, number| most.max(number.abs()));
     (largest > 0.0 && largest < SMALLEST).then(|| {
-        format!("{largest:e} is the largest value, smaller than anything measured; mend the column")
+        format!(
+            "{largest:e} is the largest value, smaller than anything measured; correct the column"
+        )
     })
 }
 
-/// The mark of decimals that these fields have: a comma where one of them needs it to be a number, or where commas are
-/// the only marks. Where commas part the fields, too, a quoted `1,234` has its thousands parted.
+/// Returns the decimal mark of these fields: a comma if some field is a number only with it, or if
+/// commas are the only marks. If commas also separate the fields, the comma of a quoted `1,234`
+/// separates thousands.
 pub(super) fn decimal<'a>(fields: impl Iterator<Item = &'a str>, delimiter: char) -> Decimal {
     let (mut point, mut comma) = (0_usize, 0_usize);
     for field in fields.filter(|field| field.contains([',', '.'])) {
         let marks = [Decimal::Point, Decimal::Comma].map(|mark| number(field, mark).is_some());
         match marks {
             [false, true] => comma += 1,
-            // `1,234` and `1.234` may be either: most measured numbers have decimals.
+            // `1,234` and `1.234` are ambiguous; most measured numbers have decimals, so the mark
+            // counts as decimal.
             [true, true] if field.contains(',') => comma += usize::from(delimiter != ','),
             [true, _] => point += 1,
             [false, false] => {}

@@ -1,18 +1,19 @@
-//! What a user may say about a table.
+//! Options of reading a table.
 
 use crate::analysis::kind::Kind;
 
-/// A column by its name, with or without its unit and in any case, or by its number from 1.
+/// A column, chosen by its name (with or without its unit, in upper or lower case) or by its number
+/// from 1.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Column {
-    /// From 1.
+    /// Number, counted from 1.
     Number(usize),
-    /// As the header has it.
+    /// Name in the header.
     Name(String),
 }
 
 impl Column {
-    /// A number where the text is one, else a name.
+    /// Returns a number if the text is one, else a name.
     pub fn of(text: &str) -> Self {
         match text.trim().parse::<usize>() {
             Ok(number) if number > 0 => Self::Number(number),
@@ -21,51 +22,53 @@ impl Column {
     }
 }
 
-/// What a row of the table is.
+/// Orientation of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layout {
-    /// A row is a frame, and a column a curve.
+    /// Each row is a frame and each column a curve.
     Columns,
-    /// A row is a curve, and a column a frame.
+    /// Each row is a curve and each column a frame.
     Rows,
 }
 
-/// What is said about a table; what is not said is found in it.
+/// Options of reading a table; whatever is absent is detected.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[allow(clippy::struct_excessive_bools, reason = "each is a yes or no of its own")]
 pub struct Options {
-    /// The column of times, or of frames.
+    /// Column of times or of frame numbers.
     pub time: Option<Column>,
-    /// Columns that are curves; all that are known where this is empty. Of a table whose rows are curves its rows.
+    /// Columns that are curves; if empty, all recognised ones. If the rows are curves, this chooses
+    /// rows.
     pub values: Vec<Column>,
-    /// What the curves are, whatever their columns are called.
+    /// Kind of the curves, which overrides the names of the columns.
     pub kind: Option<Kind>,
-    /// Unit of their values.
+    /// Unit of the values.
     pub unit: Option<String>,
     /// Unit of the times.
     pub time_unit: Option<String>,
-    /// Frames a second, where there are no times.
+    /// Frame rate in frames per second, for tables without times.
     pub frame_rate_per_s: Option<f64>,
     /// Size of a pixel, um: lengths in pixels become um.
     pub pixel_size_um: Option<f64>,
-    /// Sheets of a workbook; all where this is empty.
+    /// Sheets of a workbook; all if empty.
     pub sheets: Vec<Column>,
-    /// Where the part of the recording that counts begins, ms on the clock of the table.
+    /// Start of the part of the recording to use, ms on the clock of the table.
     pub from_ms: Option<f64>,
-    /// Where it ends.
+    /// End of that part, ms on the clock of the table.
     pub until_ms: Option<f64>,
-    /// Leave out the marks of a pacer.
+    /// Ignore the marks of a pacer.
     pub ignore_marks: bool,
-    /// What parts fields.
+    /// Delimiter of fields.
     pub delimiter: Option<char>,
-    /// What stands before the decimals, `.` or `,`.
+    /// Decimal mark, `.` or `,`.
     pub decimal: Option<char>,
-    /// What a row is.
+    /// Orientation of the table.
     pub layout: Option<Layout>,
-    /// Leave out frames in which a curve has no number, instead of an error.
+    /// Skip frames in which a curve has no number; without this they are an error.
     pub skip_gaps: bool,
-    /// One curve, the mean of all.
+    /// Return one curve, the mean of all.
     pub mean: bool,
-    /// Times without a unit are an error; else the unit that gives a camera's frame rate is taken, with a note.
+    /// Refuse times without a unit; without this, the unit that gives the frame rate of a camera is
+    /// assumed, with a note.
     pub units_required: bool,
 }

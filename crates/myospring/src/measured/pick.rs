@@ -1,4 +1,4 @@
-//! Which fields of a table are curves, and their numbers.
+//! Finds the curves in a table and reads their numbers.
 
 mod book;
 mod choose;
@@ -19,7 +19,7 @@ use choose::Chosen;
 use picked::{Picked, no_numbers, stem};
 use std::collections::BTreeMap;
 
-/// The curves of a file's bytes.
+/// Reads the curves from the bytes of a file.
 pub(super) fn table(path: &str, bytes: &[u8], options: &Options) -> Result<Table, ReadError> {
     if let (Some(from), Some(until)) = (options.from_ms, options.until_ms)
         && from >= until
@@ -40,7 +40,8 @@ pub(super) fn table(path: &str, bytes: &[u8], options: &Options) -> Result<Table
 }
 
 impl Picked<'_> {
-    /// Each column a curve, or one curve after the other; and whether the unit of each is said.
+    /// Reads a table whose columns are curves or in which one curve follows another; returns each
+    /// curve and whether its unit is stated.
     pub(super) fn of_columns(&mut self) -> Result<Vec<(Curve, bool)>, ReadError> {
         let titles = self.titles();
         let held = column::all_hold(&titles);

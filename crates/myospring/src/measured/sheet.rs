@@ -1,43 +1,47 @@
-//! Text to rows of fields: delimiter, comments, what stands above the table, header.
+//! Splits text into rows of fields: detects the delimiter, comments, lines above the table and the
+//! header.
 
 use super::number::{Cell, Decimal, cell, decimal};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A row of fields and the line of the file that it stands in, from 1.
+/// A row of fields and its line in the file, from 1.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Row {
     pub(super) line: u64,
     pub(super) fields: Vec<String>,
 }
 
-/// A table as it stands in a file.
+/// A table of a file, not interpreted yet.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sheet {
-    /// Names of the columns, units within; empty where there is no header.
+    /// Names of the columns, including units; empty if there is no header.
     pub(super) header: Vec<String>,
-    /// What several columns belong to, by the row above the header: `Cell 1` above `Ratio` and `Numerator`; or empty.
+    /// Group of each column, from the row above the header (`Cell 1` above `Ratio` and
+    /// `Numerator`); or empty.
     pub(super) groups: Vec<String>,
-    /// The rows below it.
+    /// Rows below the header.
     pub(super) rows: Vec<Row>,
     pub(super) decimal: Decimal,
-    /// Lines of numbers above the header: another table, or another block of the recording.
+    /// Number of lines with numbers above the header: another table, or another block of the
+    /// recording.
     pub(super) above: usize,
-    /// Columns of one name with another one.
+    /// Columns that share their name with another column.
     pub(super) again: BTreeSet<usize>,
-    /// Fields that most rows have.
+    /// Number of fields that most rows have.
     pub(super) usual: usize,
-    /// Of a table that was turned over, the line of the file that each column stands in; else empty.
+    /// For a transposed table, the line of the file that each column came from; else empty.
     pub(super) turned: Vec<u64>,
 }
 
-/// What parts fields, in the order in which ties are settled.
+/// Delimiters of fields; among equally good ones the first is chosen.
 const DELIMITERS: [char; 4] = ['\t', ';', ',', ' '];
 
-/// Lines that tell which delimiter it is.
+/// Number of lines that are read to detect the delimiter.
 const ENOUGH: usize = 400;
 
 impl Sheet {
-    /// Of a text; delimiter and mark of decimals may be given. `None` where no line has a number.
+    /// Reads the table of a text; delimiter and decimal mark may be given. Returns `None` if no
+    /// line has a number.
     pub(super) fn of(text: &str, delimiter: Option<char>, mark: Option<char>) -> Option<Self> {
         let mark = mark.map(|mark| if mark == ',' { Decimal::Comma } else { Decimal::Point });
         let lines: Vec<(u64, &str)> = (1..)
@@ -50,7 +54,7 @@ impl Sheet {
             None => DELIMITERS.to_vec(),
         };
         let tries = tried.into_iter().filter_map(|delimiter| Try::of(&lines, delimiter, mark));
-        // Where tabs part most lines of numbers, spaces stand within fields.
+        // If tabs separate most lines of numbers, spaces are part of fields.
         let better = |best: Try, other: Try| {
             let tabs = best.delimiter == '\t' && best.width > 1 && 2 * best.rows > other.rows;
             let within = tabs && other.delimiter == ' ';
@@ -81,14 +85,15 @@ impl Sheet {
         Some(sheet)
     }
 
-    /// Of the rows of a workbook; `None` where none has a number.
+    /// Reads the table from the rows of a workbook; `None` if no row has a number.
     pub(super) fn of_rows(rows: Vec<Row>) -> Option<Self> {
         let fields: Vec<Vec<String>> =
             rows.iter().take(ENOUGH).map(|row| row.fields.clone()).collect();
         Some(Try::of_rows(&fields, '\t', Some(Decimal::Point))?.sheet(rows, |_| ""))
     }
 
-    /// What a column is called: its header, with what it belongs to, or its number from 1; of several columns of one name both.
+    /// Returns the name of a column: its header with its group, or its number from 1; header and
+    /// number if several columns share the name.
     pub(super) fn name(&self, column: usize) -> String {
         let group = self.groups.get(column).filter(|group| !group.is_empty());
         let name = match (self.header.get(column).filter(|name| !name.is_empty()), group) {
@@ -99,20 +104,20 @@ impl Sheet {
         if self.again.contains(&column) { format!("{name} (column {})", column + 1) } else { name }
     }
 
-    /// Where a field stands in the file: its line, and what its column is called.
+    /// Returns the position of a field in the file: its line and the name of its column.
     pub(super) fn place(&self, row: &Row, column: usize) -> (u64, String) {
         let is_turned = column < self.turned.len();
         let name = if is_turned { row.line.to_string() } else { self.name(column) };
         (self.line(row, column), name)
     }
 
-    /// The line of the file that a field stands in.
+    /// Returns the line of the file that contains a field.
     pub(super) fn line(&self, row: &Row, column: usize) -> u64 {
         self.turned.get(column).copied().unwrap_or(row.line)
     }
 
-    /// Rows become columns: the first row, or the header, is a column of times or frames of this name, and what stands before
-    /// its `labels` is how the others are called.
+    /// Transposes the table. The first row, or the header, becomes a column of times or frames
+    /// named `axis`; the first `labels` fields of the other rows become the names of their columns.
     pub(super) fn turn(self, axis: Option<&str>, labels: usize) -> Self {
         let width = self.width();
         let from_header = axis.is_some() && !self.header.is_empty();
@@ -145,8 +150,8 @@ impl Sheet {
         Self { header, groups: Vec::new(), rows, turned: lines, ..self }
     }
 
-    /// The first field with a number that stands beyond the last column: its row and its place. A table without names has as
-    /// many columns as most of its rows.
+    /// Returns the row and the index of the first number beyond the last column. A table without
+    /// names has as many columns as most of its rows.
     pub(super) fn beyond(&self) -> Option<(&Row, usize)> {
         let columns = if self.header.is_empty() { self.usual } else { self.header.len() };
         let number = |row: &Row| {
@@ -155,12 +160,12 @@ impl Sheet {
         self.rows.iter().find_map(|row| Some((row, number(row)?)))
     }
 
-    /// What a field holds; nothing where the row is too short.
+    /// Reads a field; missing if the row is too short.
     pub(super) fn cell(&self, row: &Row, column: usize) -> Cell {
         row.fields.get(column).map_or(Cell::Missing, |field| cell(field, self.decimal))
     }
 
-    /// Notes which columns have the name of another one.
+    /// Records which columns share their name with another column.
     pub(super) fn note_names(&mut self) {
         let mut places = BTreeMap::<(&str, &str), Vec<usize>>::new();
         for (at, name) in self.header.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
@@ -170,7 +175,7 @@ impl Sheet {
         self.again = places.into_values().filter(|places| places.len() > 1).flatten().collect();
     }
 
-    /// The number of columns of the widest row.
+    /// Returns the number of columns of the widest row.
     pub(super) fn width(&self) -> usize {
         let widest = self.rows.iter().map(|row| row.fields.len()).max().unwrap_or(0);
         widest.max(self.header.len())
@@ -182,12 +187,12 @@ fn is_comment(line: &str) -> bool {
     line.starts_with('#') || line.starts_with("//") || line.starts_with('%')
 }
 
-/// The fields of a line.
+/// Splits a line into fields.
 fn split(line: &str, delimiter: char) -> Vec<String> {
     if delimiter == ' ' {
         return line.split_whitespace().map(str::to_owned).collect();
     }
-    // A reader takes longer to make than a line to part.
+    // Splitting the line directly is faster than creating a CSV reader.
     if !line.contains('"') {
         return line.split(delimiter).map(|field| field.trim().to_owned()).collect();
     }
@@ -201,13 +206,14 @@ fn split(line: &str, delimiter: char) -> Vec<String> {
     record.map_or_else(Vec::new, |record| record.iter().map(str::to_owned).collect())
 }
 
-/// A way to part the fields.
+/// A way to split lines into fields.
 struct Try {
     delimiter: char,
     decimal: Decimal,
     /// Number of fields that most rows with numbers have.
     width: usize,
-    /// How many rows have that many fields, with numbers, and none that is neither number nor word.
+    /// Number of rows with that many fields, at least one number, and no field that is neither
+    /// number nor word.
     rows: usize,
 }
 
@@ -234,7 +240,8 @@ impl Try {
         (self.rows, self.width)
     }
 
-    /// A single column of numbers with decimal commas looks like two columns of whole numbers.
+    /// Returns a single column instead of two if these are one column of numbers with decimal
+    /// commas, which looks like two columns of whole numbers.
     fn or_one_column(
         self,
         lines: &[(u64, &str)],
@@ -262,7 +269,7 @@ impl Try {
         other.unwrap_or(self)
     }
 
-    /// The table among the rows; `text_of` has the text of a line.
+    /// Finds the table among the rows; `text_of` returns the text of a line.
     fn sheet<'t>(&self, rows: Vec<Row>, text_of: impl Fn(u64) -> &'t str) -> Sheet {
         let all: Vec<Row> = rows
             .into_iter()
@@ -292,14 +299,15 @@ impl Try {
         };
         let full: Vec<bool> = all.iter().map(is_full).collect();
         let first = full.iter().position(|full| *full).unwrap_or(0);
-        // Counts and settings above a table look like rows of it: it begins with the longest run of rows.
+        // Counts and settings above a table look like its rows, so the table begins with the
+        // longest run of rows.
         let table = longest_run(&full).unwrap_or(first);
-        // The header is the last row above that has no number; rows between are data that went wrong.
+        // The header is the last row above without a number; rows in between are damaged data.
         let is_words = |row: &Row| {
             row.fields.iter().all(|field| !matches!(cell(field, self.decimal), Cell::Number(_)))
                 && row.fields.iter().any(|field| !field.is_empty())
         };
-        // Words above with too few fields are a title, unless spaces part the fields.
+        // A row of words with too few fields is a title, unless spaces separate the fields.
         let fits = |row: &Row| {
             let used =
                 row.fields.iter().rposition(|field| !field.is_empty()).map_or(0, |at| at + 1);
@@ -328,7 +336,7 @@ impl Try {
         }
         sheet.header = self.header(text_of(all[at].line), &all[at].fields);
         let Some(upper) = at.checked_sub(1).map(|above| &all[above]) else { return sheet };
-        // A row of units below one of names.
+        // A row of units below a row of names.
         let is_unit = |name: &String| name.is_empty() || super::column::is_unit(name);
         if sheet.header.iter().all(is_unit)
             && is_words(upper)
@@ -342,7 +350,7 @@ impl Try {
             sheet.header = upper.fields.iter().zip(&sheet.header).map(with_unit).collect();
             return sheet;
         }
-        // Names that come again belong to what stands above them.
+        // Repeated names belong to the groups in the row above.
         if is_words(upper) && upper.line + 1 == all[at].line && come_again(&sheet.header) {
             let mut group = String::new();
             for (place, name) in sheet.header.iter().enumerate() {
@@ -357,7 +365,8 @@ impl Try {
         sheet
     }
 
-    /// Whether a row has times or frames behind a name, such as `index,0,1,2`, above rows that are curves.
+    /// Whether a row is a name followed by times or frames, such as `index,0,1,2`, above rows that
+    /// are curves.
     fn is_axis(&self, row: &Row) -> bool {
         let mut before = f64::NEG_INFINITY;
         let mut numbers = 0;
@@ -374,7 +383,7 @@ impl Try {
             && numbers > 2
     }
 
-    /// The names in a row; where spaces part the fields, names may have some, too.
+    /// Returns the names in a row; where spaces separate the fields, names may contain spaces, too.
     fn header(&self, text: &str, fields: &[String]) -> Vec<String> {
         if self.delimiter != ' ' || fields.len() == self.width {
             return fields.to_vec();
@@ -384,7 +393,7 @@ impl Try {
         if wide.len() == self.width {
             return wide;
         }
-        // `Time (s) Length (um)`: what stands in brackets belongs to the name before.
+        // `Time (s) Length (um)`: text in brackets belongs to the name before it.
         let mut names: Vec<String> = Vec::new();
         for field in fields {
             match names.last_mut() {
@@ -399,7 +408,7 @@ impl Try {
     }
 }
 
-/// Where the longest run of rows begins.
+/// Returns the start of the longest run of rows.
 fn longest_run(full: &[bool]) -> Option<usize> {
     let (mut best, mut begin) = (None::<(usize, usize)>, None);
     for at in 0..=full.len() {
@@ -414,14 +423,14 @@ fn longest_run(full: &[bool]) -> Option<usize> {
     best.map(|(_, from)| from)
 }
 
-/// Whether a name that is not empty stands in a header twice.
+/// Whether a header contains a name, other than the empty one, twice.
 fn come_again(header: &[String]) -> bool {
     let mut seen = BTreeSet::new();
     header.iter().any(|name| !name.is_empty() && !seen.insert(name))
 }
 
-/// The names of columns among lines of settings, `ChannelTitle=` and what follows it, as `LabChart` exports them; `None` where
-/// the lowest line is none of them.
+/// Returns the names of columns from lines of settings such as `ChannelTitle=`, as `LabChart`
+/// exports them; `None` if the lowest line is not such a setting.
 fn header_of_settings(rows: &[Row]) -> Option<Vec<String>> {
     let key = |row: &Row| Some(row.fields.first()?.strip_suffix('=')?.to_lowercase());
     key(rows.last()?)?;
@@ -442,12 +451,13 @@ fn header_of_settings(rows: &[Row]) -> Option<Vec<String>> {
     Some([time].into_iter().chain(names).collect())
 }
 
-/// Where the number at the end of a name begins.
+/// Returns the start of the number at the end of a name.
 pub(super) fn number_at(name: &str) -> usize {
     name.trim_end_matches(|letter: char| letter.is_ascii_digit()).len()
 }
 
-/// Whether a row has numbers and nothing that is neither a number nor a word (`05;0`, of the wrong delimiter).
+/// Whether a row has numbers, and only fields that are numbers or words; a field such as `05;0`
+/// comes from the wrong delimiter.
 fn has_numbers(row: &[String], decimal: Decimal) -> bool {
     let mut numbers = 0;
     for field in row {

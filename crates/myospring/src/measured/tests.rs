@@ -75,7 +75,7 @@ fn times_without_a_unit_are_taken_as_what_a_camera_has_and_said() {
     assert_eq!(read(text, &options).curves[0].times_ms, [0.0, 0.1, 0.2]);
     let said = error("time (ms),length (um)\n0,120\n4,118\n8,115\n", &rate(30.0));
     assert!(
-        said.contains("250.0000 frames a second, and the frame rate given is 30.0000"),
+        said.contains("250.0000 frames a second, but the given frame rate is 30.0000"),
         "{said}"
     );
 }
@@ -109,7 +109,7 @@ fn cells_whose_columns_end_early_are_shorter_and_gaps_within_are_errors() {
     assert_eq!(table.curves[1].times_ms, [0.0, 4.0]);
     let text = "t_ms,length_um\n0,1\n4,NaN\n8,3\n";
     let said = error(text, &NONE());
-    assert!(said.contains("line 3, column `length_um`: \"NaN\" is no finite number"), "{said}");
+    assert!(said.contains("line 3, column `length_um`: \"NaN\" is not a finite number"), "{said}");
     let table = read(text, &Options { skip_gaps: true, ..NONE() });
     assert_eq!(table.curves[0].times_ms, [0.0, 8.0]);
 }
@@ -163,7 +163,7 @@ fn what_is_wrong_with_a_table_is_said_with_its_place() {
         ("nothing here\n", "no line with numbers"),
         (
             "t_ms,length_um\n0,1\n4,much\n8,2\n",
-            "line 3, column `length_um`: \"much\" is no finite number",
+            "line 3, column `length_um`: \"much\" is not a finite number",
         ),
         (
             "t_ms,length_um\n0,1\n8,1\n4,2\n",
@@ -338,7 +338,7 @@ fn ticks_of_a_clock_are_what_gives_beats_the_time_that_they_take() {
     };
     let table = read(&of(1.0, 0.01), &NONE());
     assert_eq!(table.curves[0].times_ms[3], 30.0);
-    assert!(table.notes[0].contains("taken as 0.01 ms"), "{:?}", table.notes);
+    assert!(table.notes[0].contains("read as 0.01 ms"), "{:?}", table.notes);
     // 600 ms, or 60: cells have both.
     let said = error(&of(4.0, 0.01), &NONE());
     assert!(said.contains("--time-unit us or --time-unit \"0.01 ms\""), "{said}");
@@ -410,7 +410,7 @@ fn columns_of_one_name_are_told_apart_and_said() {
     let Table { curves, notes } = read(text, &NONE());
     let names: Vec<&str> = curves.iter().map(|curve| &*curve.name).collect();
     assert_eq!(names, ["length_um (column 2)", "length_um (column 3)"]);
-    assert!(notes.iter().any(|note| note.contains("several columns have one name")), "{notes:?}");
+    assert!(notes.iter().any(|note| note.contains("several columns share a name")), "{notes:?}");
     assert_eq!(curves[0].unit, "um");
     let named = |name: &str| {
         let options = Options { values: vec![Column::of(name)], ..NONE() };
@@ -419,7 +419,7 @@ fn columns_of_one_name_are_told_apart_and_said() {
     assert_eq!([named("length_um"), named("length_um (column 3)"), named("3")], [2, 1, 1]);
     let twice = "t_ms,t_ms,length_um\n0,0,120\n4,8,118\n8,16,117\n";
     let Table { notes, .. } = read(twice, &NONE());
-    let said = "column `t_ms (column 1)` has times and no curve beside it";
+    let said = "column `t_ms (column 1)` has times but no curve";
     assert!(notes.iter().any(|note| note.contains(said)), "{notes:?}");
 }
 

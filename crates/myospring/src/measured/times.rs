@@ -1,4 +1,4 @@
-//! When the frames of a table were taken.
+//! Determines the times of the rows of a table.
 
 use super::column;
 use super::error::ReadError;
@@ -9,55 +9,57 @@ use crate::analysis::curve;
 use crate::analysis::kind::{Family, Kind};
 use crate::units::{self, Dimension};
 
-/// Latest time that is read, ms: 30 000 years, more than any clock says.
+/// Latest time that is accepted, ms: 30 000 years, more than any clock shows.
 const LONGEST_MS: f64 = 1e15;
 
-/// By how much times and a frame rate may differ.
+/// Largest relative difference between the frame rate of the times and the given one.
 const AGREE: f64 = 0.02;
 
-/// Frames a second of cameras and of detectors behind a lens.
+/// Frame rates of cameras and other optical detectors, in frames per second.
 const CAMERA: [f64; 2] = [4.0, 2000.0];
 
-/// Samples a second of whatever else measures: amplifiers of patch clamps have up to 50 kHz.
+/// Sampling rates of other instruments, in samples per second: amplifiers of patch clamps reach 50
+/// kHz.
 const AMPLIFIER: [f64; 2] = [4.0, 60_000.0];
 
-/// Recordings are longer, ms.
+/// Shortest recording, ms.
 const SHORTEST_MS: f64 = 25.0;
 
-/// Frames from which on a recording may have a beat.
+/// Smallest number of frames in which a beat can be found.
 const ENOUGH: usize = 8;
 
-/// Times at half of their height that beats of a length, a force or calcium take, ms, from mice at body temperature to
-/// cells in the cold.
+/// Range of the duration of beats at half of their height, for length, force or calcium, ms: from
+/// mice at body temperature to cells in the cold.
 const WIDTHS_MS: [f64; 2] = [40.0, 2000.0];
 
-/// Ticks of a clock in these units, in ms; whole numbers of these are times of no camera in ms.
+/// Units of clocks that count ticks, with their length in ms. No camera has such large whole
+/// numbers as times in ms.
 const TICKS: [(&str, f64); 2] = [("us", 0.001), ("0.01 ms", 0.01)];
 
-/// Where times come from.
+/// Source of times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Clock {
-    /// A column of times, and what turns them into ms.
+    /// A column of times, and the factor that converts them to ms.
     Times { column: usize, to_ms: f64 },
-    /// A column of frames, the first frame of the file, and ms a frame.
+    /// A column of frame numbers, the first frame number of the file, and the interval in ms.
     Frames { column: usize, first: f64, ms: f64 },
-    /// Each row is the next frame.
+    /// Each row is the next frame, with this interval in ms.
     Rows { ms: f64 },
 }
 
-/// A column of times or frames, and what is known of the values beside it.
+/// A column of times or frames, with what is known of the values of its curves.
 pub(super) struct Timed<'a> {
     pub(super) at: usize,
-    /// Whether it has numbers of frames.
+    /// Whether it contains frame numbers.
     pub(super) frames: bool,
-    /// What its curves are, as far as they say so.
+    /// Kinds of its curves, as far as they are stated.
     pub(super) kinds: &'a [Kind],
-    /// The values of the first of them, one for each row that has a time.
+    /// Values of the first curve, one for each row with a time.
     pub(super) values: &'a [f64],
 }
 
 impl Clock {
-    /// Of a frame rate, for rows without times.
+    /// Returns the interval in ms of the given frame rate, for rows without times.
     pub(super) fn of_rate(options: &Options) -> Result<Option<f64>, String> {
         match options.frame_rate_per_s {
             None => Ok(None),
@@ -68,7 +70,7 @@ impl Clock {
         }
     }
 
-    /// Of a column of times or frames. Says what it took for granted.
+    /// Returns the clock of a column of times or frames, and a note of what was assumed.
     pub(super) fn of_column(
         sheet: &Sheet,
         timed: &Timed<'_>,
@@ -103,8 +105,9 @@ impl Clock {
         }
         let step = step(&numbers);
         let to_ms = match unit(sheet, at, options)? {
-            Some(unit) => time_of(&unit)
-                .ok_or_else(|| format!("column `{name}` has `{unit}`, which is no unit of time"))?,
+            Some(unit) => time_of(&unit).ok_or_else(|| {
+                format!("column `{name}` has `{unit}`, which is not a unit of time")
+            })?,
             None if options.units_required => {
                 return Err(format!(
                     "the column `{name}` has no known unit; name it `time (ms)` or `time (s)`"
@@ -115,7 +118,7 @@ impl Clock {
                     format!("column `{name}` has times {step} apart without a unit: {cause}")
                 })?;
                 let note = format!(
-                    "column `{name}` has no unit: taken as {unit}, {:.4} frames a second (--time-unit says another)",
+                    "column `{name}` has no unit: read as {unit}, {:.4} frames a second (change it by --time-unit)",
                     1e3 / (step * to_ms)
                 );
                 if !notes.contains(&note) {
@@ -129,7 +132,7 @@ impl Clock {
             && (step * to_ms / ms - 1.0).abs() > AGREE
         {
             return Err(format!(
-                "the times in column `{name}` are {:.4} frames a second, and the frame rate given is {:.4}; leave \
+                "the times in column `{name}` are {:.4} frames a second, but the given frame rate is {:.4}; leave \
                  one of them out",
                 1e3 / (step * to_ms),
                 1e3 / ms
@@ -138,7 +141,7 @@ impl Clock {
         Ok(Self::Times { column: at, to_ms })
     }
 
-    /// The same clock for another column of times.
+    /// Returns the same clock for another column of times.
     pub(super) fn of_other(self, column: usize) -> Self {
         match self {
             Self::Times { to_ms, .. } => Self::Times { column, to_ms },
@@ -146,7 +149,7 @@ impl Clock {
         }
     }
 
-    /// The column that it reads.
+    /// Returns the column that it reads, if any.
     pub(super) fn column(self) -> Option<usize> {
         match self {
             Self::Times { column, .. } | Self::Frames { column, .. } => Some(column),
@@ -154,7 +157,7 @@ impl Clock {
         }
     }
 
-    /// The time of a row, ms, the `index`-th of its curve; `None` where its field is empty.
+    /// Returns the time of a row, the `index`-th of its curve, in ms; `None` if its field is empty.
     pub(super) fn time(
         self,
         path: &str,
@@ -175,16 +178,17 @@ impl Clock {
             Cell::Number(number) => match (number - offset) * factor {
                 ms if ms.abs() <= LONGEST_MS => Ok(Some(ms)),
                 ms => wrong(format!(
-                    "time {ms:e} ms is later than any clock says (at most {LONGEST_MS:e} ms); is the unit of time right?"
+                    "time {ms:e} ms is later than any clock shows (at most {LONGEST_MS:e} ms); is the unit of time right?"
                 )),
             },
             Cell::Missing => Ok(None),
-            Cell::Text => wrong(format!("\"{}\" is no finite number", row.fields[column])),
+            Cell::Text => wrong(format!("\"{}\" is not a finite number", row.fields[column])),
         }
     }
 }
 
-/// The unit of times that do not say theirs, and what turns them into ms; or what they may be and how to say it.
+/// Returns the unit of times without a stated unit, and the factor that converts them to ms; or a
+/// message with the possible units and the option that states one.
 fn found(
     numbers: &[f64],
     step: f64,
@@ -196,7 +200,7 @@ fn found(
         let near = |(_, factor): &(&str, f64)| (step * factor / ms - 1.0).abs() < AGREE;
         let all = UNITS.into_iter().chain(TICKS);
         return all.into_iter().find(near).ok_or_else(|| {
-            "that fits no unit at this frame rate; give the unit (--time-unit s)".to_owned()
+            "no unit fits this frame rate; give the unit (--time-unit s)".to_owned()
         });
     }
     let by_eye = |kind: &Kind| {
@@ -219,7 +223,8 @@ fn found(
     let whole = step >= 1.0 && numbers.iter().all(|number| number.fract() == 0.0);
     if may.is_empty() && whole {
         may = TICKS.into_iter().filter(has_rate).collect();
-        // A beat takes its time: ten times as long or as short, few would be left.
+        // The duration of beats decides: with times ten times longer or shorter, few curves still
+        // have beats of a cell.
         if may.len() > 1 {
             let beats: Vec<(&'static str, f64)> = may
                 .iter()
@@ -233,10 +238,8 @@ fn found(
     }
     match may[..] {
         [one] => Ok(one),
-        [] => {
-            Err("that fits neither s nor ms; give the unit (--time-unit s, ms, us or \"0.01 ms\")"
-                .to_owned())
-        }
+        [] => Err("neither s nor ms fits; give the unit (--time-unit s, ms, us or \"0.01 ms\")"
+            .to_owned()),
         _ => {
             let candidates: Vec<String> = may
                 .iter()
@@ -256,7 +259,7 @@ fn found(
     }
 }
 
-/// Whether beats are found at this time scale, as wide as those of cells.
+/// Whether the curve has beats at this time scale that are as long as those of cells.
 fn beats(numbers: &[f64], values: &[f64], to_ms: f64) -> bool {
     let count = numbers.len().min(values.len());
     let times: Vec<f64> = numbers[..count].iter().map(|number| number * to_ms).collect();
@@ -270,7 +273,7 @@ fn rounded(rate: f64) -> f64 {
     if rate >= 100.0 { rate.round() } else { (100.0 * rate).round() / 100.0 }
 }
 
-/// A unit of time, or a number of them, in ms: `s`, `0.01 ms`.
+/// Returns a unit of time (`s`), or a multiple of one (`0.01 ms`), in ms.
 fn time_of(unit: &str) -> Option<f64> {
     let text = if unit.starts_with(|letter: char| letter.is_ascii_digit() || letter == '.') {
         unit.to_owned()
@@ -280,7 +283,7 @@ fn time_of(unit: &str) -> Option<f64> {
     units::parse(&text, Dimension::Time).ok().filter(|ms| *ms > 0.0)
 }
 
-/// The unit of a column of times, by its name or as it was given; both must agree.
+/// Returns the unit of a column of times, stated by its name or by an option; the two must agree.
 fn unit(sheet: &Sheet, at: usize, options: &Options) -> Result<Option<String>, String> {
     let title = column::title(sheet.header.get(at).map_or("", String::as_str));
     let named = Some(title.unit).filter(|unit| !unit.is_empty());
@@ -292,14 +295,14 @@ fn unit(sheet: &Sheet, at: usize, options: &Options) -> Result<Option<String>, S
     {
         return Err(format!(
             "column `{}` says that its times are in {named}, and --time-unit says {given}; leave --time-unit out, or \
-             mend the header",
+             correct the header",
             sheet.name(at)
         ));
     }
     Ok(given.or(named))
 }
 
-/// Median distance of neighbours.
+/// Returns the median interval.
 fn step(numbers: &[f64]) -> f64 {
     let mut steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);

@@ -1,19 +1,20 @@
-//! Workbooks of spreadsheets (.xlsx) to rows of fields, within bounds: a few kilobytes may hold gigabytes.
+//! Reads workbooks of spreadsheets (.xlsx) into rows of fields, with limits on their size: a few
+//! kilobytes can inflate to gigabytes.
 
 use super::sheet::Row;
 use calamine::{Data, DataRef, Reader, SheetType, Xlsx};
 use std::io::{self, Cursor, Read};
 
-/// What the parts of a workbook may come to when they are inflated, bytes: ten million numbers.
+/// Largest total size of the inflated parts of a workbook, bytes; enough for ten million numbers.
 const INFLATED: u64 = 512 << 20;
 
-/// Parts of a workbook.
+/// Largest number of parts of a workbook.
 const PARTS: usize = 10_000;
 
-/// Rows times columns of a sheet, with the empty fields between.
+/// Largest number of fields of a sheet, rows times columns, including empty ones.
 const FIELDS: usize = 10_000_000;
 
-/// A sheet by its name.
+/// A sheet and its name.
 #[derive(Debug)]
 pub(super) struct Worksheet {
     pub(super) name: String,
@@ -21,12 +22,12 @@ pub(super) struct Worksheet {
     pub(super) rows: Vec<Row>,
 }
 
-/// The sheets of a workbook that have any fields, in order; or what is wrong with the file.
+/// Returns the sheets of a workbook that are not empty, in order; or what is wrong with the file.
 pub(super) fn sheets(bytes: &[u8]) -> Result<Vec<Worksheet>, String> {
     check(bytes)?;
-    // The library counts rows without a look at overflow, such as of a cell `A99999999999`.
+    // The library panics if a row number overflows, such as that of a cell `A99999999999`.
     let read = std::panic::catch_unwind(|| read(bytes));
-    read.unwrap_or_else(|_| Err("a workbook that is damaged: save it anew".to_owned()))
+    read.unwrap_or_else(|_| Err("a damaged workbook: save it again".to_owned()))
 }
 
 fn read(bytes: &[u8]) -> Result<Vec<Worksheet>, String> {
@@ -51,7 +52,7 @@ fn read(bytes: &[u8]) -> Result<Vec<Worksheet>, String> {
             let (row, column) = cell.get_position();
             let (line, column) = (u64::from(row) + 1, column as usize);
             width = width.max(column + 1);
-            // Rows come in order in whatever a spreadsheet writes.
+            // Every spreadsheet program writes rows in order.
             if rows.last().is_none_or(|last| last.line != line) {
                 if rows.last().is_some_and(|last| last.line > line) {
                     return Err(format!(
@@ -80,7 +81,7 @@ fn read(bytes: &[u8]) -> Result<Vec<Worksheet>, String> {
     Ok(sheets)
 }
 
-/// A field as it would stand in a table of text; durations and dates in seconds.
+/// Returns a field as a table of text would contain it; durations and dates in seconds.
 fn text(value: &DataRef<'_>) -> String {
     match Data::from(value.clone()) {
         Data::Int(number) => number.to_string(),
@@ -92,7 +93,7 @@ fn text(value: &DataRef<'_>) -> String {
     }
 }
 
-/// Inflates every part once, within the bounds, before anything is stored.
+/// Inflates every part once, within the limits and without storing it.
 fn check(bytes: &[u8]) -> Result<(), String> {
     let damaged = |error: &dyn std::fmt::Display| {
         format!("an archive that cannot be read as a workbook: {error}; save the sheet as CSV")
@@ -124,13 +125,14 @@ fn check(bytes: &[u8]) -> Result<(), String> {
             )
         })?;
         if promises_too_much(&kept) {
-            return Err("a workbook whose list of texts is damaged: save it anew".to_owned());
+            return Err("a workbook whose list of texts is damaged: save it again".to_owned());
         }
     }
     Ok(())
 }
 
-/// Whether a list of texts says that it has more of them than bytes; room is made for as many as it says.
+/// Whether a list of texts states a number of texts that is larger than its size in bytes; the
+/// library would allocate memory for that number.
 fn promises_too_much(list: &[u8]) -> bool {
     const COUNT: &[u8] = b"uniqueCount";
     let most = list.len() as u64;

@@ -62,7 +62,7 @@ impl RunFile {
         Ok(())
     }
 
-    /// The names of files in it.
+    /// The file names that it contains, for changing them.
     pub fn paths_mut(&mut self) -> impl Iterator<Item = &mut String> {
         self.values.iter_mut().filter_map(|(key, value)| match value {
             Value::Text(path) if find(key).is_some_and(|it| it.names_file(path)) => Some(path),
@@ -78,7 +78,8 @@ impl RunFile {
             let given = table.settings.iter().filter_map(|row| Some((row, self.get(row.key)?)));
             for (setting, value) in given {
                 match value {
-                    // The last of its table, so that the table's other keys stay its own.
+                    // Named values form a sub-table, which must come last so that the table's other
+                    // keys do not fall into it.
                     Value::Named(values) => {
                         let _ = write!(part, "\n[{}]\n{}", setting.key, rows(values));
                     }
@@ -100,7 +101,7 @@ impl RunFile {
     }
 }
 
-/// A value as TOML has it.
+/// Returns a value in TOML syntax.
 pub(super) fn written(value: &Value) -> String {
     to_toml(value).to_string()
 }
@@ -119,7 +120,7 @@ fn rows(values: &Named) -> toml::Table {
     values.iter().map(|(name, value)| (name.clone(), to_toml(value))).collect()
 }
 
-/// A value of TOML; `None` for lists and dates, which no setting takes.
+/// Converts a TOML value; `None` for lists and dates, which no setting accepts.
 pub(super) fn from_toml(value: &toml::Value) -> Option<Value> {
     Some(match value {
         toml::Value::Boolean(flag) => Value::Flag(*flag),

@@ -1,17 +1,17 @@
-//! Run files to start from whose every number has its source.
+//! Run files to start from, in which every number has its source.
 
 /// A run file to start from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Preset {
-    /// Its name on the command line.
+    /// Name on the command line.
     pub name: &'static str,
-    /// What it is, in a line.
+    /// One-line description.
     pub about: &'static str,
     /// The run file, with the source of each number beside it.
     pub text: &'static str,
 }
 
-/// All of them.
+/// All presets.
 ///
 /// # Example
 /// ```

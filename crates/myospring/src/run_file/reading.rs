@@ -1,4 +1,4 @@
-//! From texts and options to one run file that remembers where each value came from.
+//! Reads texts and options into one run file that remembers where each value came from.
 
 use super::error::{Origin, RunFileError};
 use super::file::{RunFile, from_toml, to_toml};
@@ -10,7 +10,7 @@ use std::path::Path;
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table};
 
-/// Gathers a run file from a text and from options, which override it.
+/// Builds a run file from a text and from options, which override the text.
 ///
 /// # Example
 /// ```
@@ -36,7 +36,7 @@ pub struct Reader {
     text: String,
 }
 
-/// Where a key and its value stand.
+/// Position of a key and of its value.
 #[derive(Debug, Clone)]
 struct Place {
     key: Spot,
@@ -45,21 +45,22 @@ struct Place {
 
 #[derive(Debug, Clone)]
 enum Spot {
-    /// In the text; line and column are counted only where somebody asks, since that takes as long as the text.
+    /// Byte range in the text. Line and column are counted only when needed, since that reads the
+    /// whole text.
     Span(Range<usize>),
     Elsewhere(Origin),
 }
 
 impl Reader {
-    /// Nothing yet: a run with every default.
+    /// Creates a reader without text and options: a run with every default.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Takes in the text of a run file; `file` is its name in messages.
+    /// Adds the text of a run file; messages call it `file`.
     ///
     /// # Errors
-    /// Text that is not TOML, with the place.
+    /// Text that is not TOML, with its position.
     pub fn text(mut self, file: &str, text: &str) -> Result<Self, RunFileError> {
         let failed = |error: &toml::de::Error| RunFileError {
             origin: Origin::in_text(file, text, error.span().unwrap_or_default()),
@@ -74,8 +75,8 @@ impl Reader {
         Ok(self)
     }
 
-    /// Takes the names of files gathered so far as relative to a folder, that of the run file: options that
-    /// come later stay relative to where the user stands.
+    /// Makes the file names read so far relative to `folder`, the folder of the run file. Options
+    /// added later stay relative to the current folder.
     ///
     /// # Example
     /// ```
@@ -114,13 +115,14 @@ impl Reader {
         }
     }
 
-    /// Sets a key, `table.key`, by an option of the command line; what it excludes is dropped.
+    /// Sets a key, `table.key`, by an option of the command line, and drops the keys that it
+    /// excludes.
     #[must_use]
     pub fn option(self, option: &str, key: &str, value: impl Into<Value>) -> Self {
         self.overriding(Origin::Option(option.to_owned()), key, value)
     }
 
-    /// Sets a key as [`Reader::option`] does, with the place that stands in messages.
+    /// Sets a key as [`Reader::option`] does, with the origin that messages name.
     #[must_use]
     pub fn overriding(mut self, origin: Origin, key: &str, value: impl Into<Value>) -> Self {
         let value = value.into();
@@ -149,7 +151,7 @@ impl Reader {
         }
     }
 
-    /// Where a key's value came from.
+    /// Returns where a key's value came from.
     pub fn origin(&self, key: &str) -> Origin {
         self.place(key).map_or(Origin::Unknown, |place| self.origin_of(&place.value))
     }
@@ -161,7 +163,7 @@ impl Reader {
         }
     }
 
-    /// The place of a key, or else of the table that should hold it.
+    /// Returns the position of a key, or else of the table that should contain it.
     fn place(&self, key: &str) -> Option<&Place> {
         let table = key.rsplit_once('.').map_or("", |(table, _)| table);
         self.origins.get(key).or_else(|| self.origins.get(table))
@@ -176,7 +178,7 @@ impl Reader {
         RunFileError { origin, key, problem }
     }
 
-    /// The run file, every key known and of the right kind.
+    /// Returns the run file, in which every key is known and has a value of the right kind.
     ///
     /// # Errors
     /// Unknown keys and names, values of the wrong kind.
@@ -210,10 +212,10 @@ impl Reader {
         Ok(file)
     }
 
-    /// The run, every value checked and every default filled in.
+    /// Returns the run, with every value checked and every default filled in.
     ///
     /// # Errors
-    /// All that [`Reader::read`] and [`RunFile::resolve`] refuse, with the place.
+    /// All errors of [`Reader::read`] and [`RunFile::resolve`], with their positions.
     pub fn resolve(self) -> Result<Run, RunFileError> {
         let (file, reader) = self.read()?;
         file.run().map_err(|failure| reader.locate(failure))
@@ -224,13 +226,14 @@ impl RunFile {
     /// Reads the text of a run file.
     ///
     /// # Errors
-    /// Text that is not TOML, unknown keys and names, values of the wrong kind; with the place.
+    /// Text that is not TOML, unknown keys and names, values of the wrong kind; with their
+    /// positions.
     pub fn from_text(text: &str) -> Result<Self, RunFileError> {
         Ok(Reader::new().text("", text)?.read()?.0)
     }
 }
 
-/// Takes a value into the run file, if its key is known and its kind right.
+/// Adds a value to the run file if its key is known and its kind is right.
 fn take(
     file: &mut RunFile,
     key: &str,
@@ -245,7 +248,7 @@ fn take(
     file.take(setting, value)
 }
 
-/// What a value is, in a sentence.
+/// Describes a value for a message.
 fn found(value: &toml::Value) -> String {
     match value {
         toml::Value::Datetime(date) => format!("the date {date}"),

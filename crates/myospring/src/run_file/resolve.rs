@@ -1,4 +1,4 @@
-//! From a run file to a run, and back.
+//! Converts a run file to a run, and a run to a run file.
 
 use super::error::RunFileError;
 use super::file::RunFile;
@@ -16,7 +16,7 @@ impl RunFile {
         self.run().map_err(RunFileError::bare)
     }
 
-    /// As [`RunFile::resolve`], with the key to blame.
+    /// Does what [`RunFile::resolve`] does; a failure contains the key that caused it.
     pub(super) fn run(&self) -> Result<Run, Failure> {
         let mut run = Run { models: self.models.clone(), ..Run::default_run() };
         for setting in table() {
@@ -33,16 +33,16 @@ impl RunFile {
 }
 
 impl Run {
-    /// The run file of this run with every default written out.
+    /// Returns the run file of this run, with every default written out.
     ///
-    /// Spacing and time step stay absent where the shape and the stability limit decide them.
+    /// Spacing and time step are absent where the shape and the stability limit determine them.
     pub fn to_run_file(&self) -> RunFile {
         let values = table().filter_map(|setting| Some((setting.key, setting.get(self)?)));
         RunFile { values: values.collect(), models: self.models.clone() }
     }
 
-    /// The run file that repeats this run, with the spacing (um) and time step (ms) that it took;
-    /// a quasi-static run takes none.
+    /// Returns the run file that repeats this run, with the spacing (um) and time step (ms) that it
+    /// used; a quasi-static run has no time step.
     pub fn settled(&self, spacing: f64, time_step: Option<f64>) -> RunFile {
         let mut file = self.to_run_file();
         let took = |value, dimension| Value::Text(units::format(value, dimension));

@@ -1,4 +1,4 @@
-//! What several settings have to keep together.
+//! Rules that concern several settings together.
 
 use super::file::RunFile;
 use crate::cell::pacing::Stimulus;
@@ -12,7 +12,7 @@ use crate::simulation::{MOST_FRAMES, MOST_SAMPLES, divides};
 
 type Checked = Result<(), Failure>;
 
-/// Keys of which only one may be given, and what to do.
+/// Keys of which only one may be given, and the advice for users who give two.
 const ALTERNATIVES: [(&[&str], &str); 3] = [
     (
         &["shape.built_in", "shape.picture", "shape.outline"],
@@ -28,8 +28,8 @@ const ALTERNATIVES: [(&[&str], &str); 3] = [
     ),
 ];
 
-/// A support that gives way: its word, the key of its stiffness or load, why that is needed, and what to do
-/// where another support has it.
+/// A support with a stiffness or a load: its word, the key of that value, the message if the value
+/// is missing, and the advice if it is given with another support.
 struct Springs {
     support: &'static str,
     key: &'static str,
@@ -61,7 +61,7 @@ const SPRINGS: [Springs; 3] = [
     },
 ];
 
-/// Keys that an option puts out of force, when it sets this key to this value.
+/// Returns the keys that an option overrides when it sets this key to this value.
 pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
     let word = value.as_text();
     match key {
@@ -87,7 +87,7 @@ pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
     }
 }
 
-/// Checks a run against the run file that it was made from.
+/// Checks a run together with the run file that it was made from.
 pub(super) fn check(file: &RunFile, run: &Run) -> Checked {
     alternatives(file)?;
     cell_model(file, run)?;
@@ -114,9 +114,9 @@ fn alternatives(file: &RunFile) -> Checked {
     Ok(())
 }
 
-/// Keys that only a model has whose tension is scaled.
+/// Keys that apply only to models whose tension is scaled.
 const OF_RELATIVE_TENSION: [&str; 2] = ["cell.peak_tension", "cell.tension_scale"];
-/// Keys that only a model has whose stimulus moves something.
+/// Keys that apply only to models with a membrane, which a stimulus can change.
 const OF_MEMBRANE: [&str; 3] = ["stimulus.kind", "stimulus.amplitude", "stimulus.duration"];
 
 fn has_own_tension(cell: &dyn CellModel) -> bool {
@@ -131,14 +131,14 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
     if has_own_tension(&*run.cell)
         && let Some(second) = OF_RELATIVE_TENSION.into_iter().find(|key| file.has(key))
     {
-        let advice = "the tension of this model is in kPa already; leave it out, and change the strength by the \
+        let advice = "this model gives its tension in kPa; leave this setting out and change the strength by the \
                       model's own parameter, T_ref of land_2017";
         return exclude("cell.model", second, advice);
     }
     if has_given_calcium(&*run.cell)
         && let Some(second) = OF_MEMBRANE.into_iter().find(|key| file.has(key))
     {
-        let advice = "the calcium of this model is given and begins with each stimulus, which moves nothing else; \
+        let advice = "the calcium of this model is given and starts with each stimulus, which has no other effect; \
                       leave it out";
         return exclude("cell.model", second, advice);
     }
@@ -146,13 +146,12 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
         .into_iter()
         .find(|key| file.has(key) && !file.has("cell.calcium"))
     {
-        let reason =
-            "a calibration is of a ratio in a table; give calcium = \"FILE.csv\", or leave it out";
+        let reason = "a calibration applies to a ratio in a table; give calcium = \"FILE.csv\", or leave it out";
         return Err((second.to_owned(), Problem::Missing { key: "cell.calcium", reason }));
     }
     if file.has("cell.calcium") {
         if !has_given_calcium(&*run.cell) {
-            let advice = "only a model whose calcium is given takes it from a table; take model = \"land_2017\", or \
+            let advice = "only a model whose calcium is given reads it from a table; give model = \"land_2017\", or \
                           leave the table out";
             return exclude("cell.model", "cell.calcium", advice);
         }
@@ -160,7 +159,7 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
         if let Some(Value::Named(given)) = file.get("cell.parameters")
             && own.iter().any(|row| given.contains_key(&*row.name))
         {
-            let advice = "a table has no rise and fall of two exponentials; leave Ca_rest, Ca_amplitude, tau_Ca_rise \
+            let advice = "the calcium comes from the table, not from two exponentials; leave Ca_rest, Ca_amplitude, tau_Ca_rise \
                           and tau_Ca_fall out, or the table";
             return exclude("cell.calcium", "cell.parameters", advice);
         }
@@ -189,19 +188,19 @@ fn stimulus(file: &RunFile, run: &Run) -> Checked {
             return exclude(
                 "stimulus.kind",
                 "stimulus.duration",
-                "a jump takes no time; leave the duration out or give kind = \"pulse\"",
+                "a jump has no duration; leave the duration out or give kind = \"pulse\"",
             );
         }
         (Stimulus::Jump { .. }, Stimulus::Pulse { .. }) if !sized => {
-            return missing("this cell model has no jump of its own; give its size");
+            return missing("this cell model has no default jump; give its size");
         }
         (Stimulus::Pulse { .. }, Stimulus::Jump { .. }) if !(sized && lasts) => {
-            return missing("this cell model has no pulse of its own; give its size and duration");
+            return missing("this cell model has no default pulse; give its size and duration");
         }
         _ => {}
     }
     if !run.steady_state_cache.is_empty() && run.steady_state.is_none() {
-        let reason = "a folder for steady states needs one to keep: give steady_state = 0.001, or --steady-state 0.001, \
+        let reason = "a folder for steady states needs the setting steady_state: give steady_state = 0.001, or --steady-state 0.001, \
                       or leave the folder out";
         let problem = Problem::Missing { key: "stimulus.steady_state", reason };
         return Err(("stimulus.steady_state_cache".to_owned(), problem));
@@ -217,14 +216,14 @@ fn stimulus(file: &RunFile, run: &Run) -> Checked {
     }
 }
 
-/// Keys that only a picture has, or only a picture and a file of outlines.
+/// Checks keys that apply only to pictures, or only to pictures and files of outlines.
 fn shape(file: &RunFile, run: &Run) -> Checked {
-    const ADVICE: &str = "only a picture has it; leave it out";
+    const ADVICE: &str = "this applies only to pictures; leave it out";
     let source = match run.shape.source {
         Source::Picture(_) => {
             if file.has("shape.rotate") {
                 let advice =
-                    "a picture is not turned; the fibre follows the cell's long axis anyway";
+                    "pictures are not rotated; the fibres follow the long axis of the cell anyway";
                 return exclude("shape.picture", "shape.rotate", advice);
             }
             let areas = run.shape.source.picture().map(|picture| picture.options.areas_um2);
@@ -249,7 +248,7 @@ fn shape(file: &RunFile, run: &Run) -> Checked {
     }
 }
 
-/// What only a picture has whose fibres are read.
+/// Keys that apply only to pictures whose fibre direction is read.
 const OF_FIBRES: [&str; 2] = ["mechanics.stain", "mechanics.fibre_smoothing"];
 
 fn fibre(file: &RunFile, run: &Run) -> Checked {
@@ -263,7 +262,7 @@ fn fibre(file: &RunFile, run: &Run) -> Checked {
         const CONTENT: &str = "mechanics.myofibril_content";
         match (run.fibre, source) {
             (Fibre::LongAxis | Fibre::Angle(_), None) => {
-                let advice = "myofibril_content = \"picture\" takes the fibres that the picture shows: give fibre \
+                let advice = "myofibril_content = \"picture\" uses the fibres that the picture shows: give fibre \
                               = \"auto\" or \"picture\", or content from a file";
                 return exclude("mechanics.fibre", CONTENT, advice);
             }
@@ -284,30 +283,31 @@ fn fibre(file: &RunFile, run: &Run) -> Checked {
             Err(("mechanics.fibre".to_owned(), problem))
         }
         (Fibre::Auto(_), Some(source), Some(second)) => {
-            exclude(source, second, "only a picture has it; leave it out")
+            exclude(source, second, "this applies only to pictures; leave it out")
         }
         (Fibre::LongAxis | Fibre::Angle(_), _, Some(second)) => exclude(
             "mechanics.fibre",
             second,
-            "only fibre = \"auto\" or \"picture\" has it; choose one of them or leave it out",
+            "only fibre = \"auto\" or \"picture\" uses this; choose one of them or leave it out",
         ),
         _ => Ok(()),
     }
 }
 
-/// Lengths of sarcomeres mean something to a model that feels its stretch, and relative to one that is stated.
+/// Checks the lengths of sarcomeres: the model must depend on its stretch, and a reference length
+/// must be given.
 fn sarcomeres(file: &RunFile, run: &Run) -> Checked {
     const LENGTH: &str = "mechanics.sarcomere_length";
     const REFERENCE: &str = "mechanics.sarcomere_reference";
     if run.sarcomere_length == FromPlaces::Uniform {
         if file.has(REFERENCE) {
-            let reason = "a reference is of lengths; give sarcomere_length = \"picture\" or a table, or leave it out";
+            let reason = "a reference length needs sarcomere lengths; give sarcomere_length = \"picture\" or a table, or leave it out";
             return Err((REFERENCE.to_owned(), Problem::Missing { key: LENGTH, reason }));
         }
         return Ok(());
     }
     if !run.cell.feels_stretch() {
-        let advice = "this model does not feel its stretch; take model = \"land_2017\" or \"tor_ord_land\", or \
+        let advice = "this model does not depend on its stretch; give model = \"land_2017\" or \"tor_ord_land\", or \
                       leave the lengths out";
         return exclude("cell.model", LENGTH, advice);
     }
@@ -323,7 +323,7 @@ fn sarcomeres(file: &RunFile, run: &Run) -> Checked {
             return Err((LENGTH.to_owned(), Problem::Missing { key: "shape.picture", reason }));
         }
         if matches!(run.fibre, Fibre::LongAxis | Fibre::Angle(_)) {
-            let advice = "sarcomere_length = \"picture\" takes the sarcomeres that the picture shows: give fibre = \
+            let advice = "sarcomere_length = \"picture\" uses the sarcomeres that the picture shows: give fibre = \
                           \"auto\" or \"picture\", or a table";
             return exclude("mechanics.fibre", LENGTH, advice);
         }
@@ -356,18 +356,18 @@ fn support(file: &RunFile, run: &Run) -> Checked {
         return exclude("mechanics.support", "mechanics.end_stretch", advice);
     }
     if holder == Some("afterloaded-ends") && run.numerics.method.is_in_time() {
-        let advice = "a grip that leaves its stop is followed along equilibria; give integrator = \
+        let advice = "an end that leaves its stop can only be followed along equilibria; give integrator = \
                       \"quasi-static\", or --integrator quasi-static";
         return exclude("numerics.integrator", "mechanics.support", advice);
     }
     Ok(())
 }
 
-/// Settings without a path of equilibria stand in the way of a quasi-static run; some need one.
+/// Checks the method: some settings exclude a quasi-static run, and others need one.
 fn method(file: &RunFile, run: &Run) -> Checked {
     let viscous = run.material.retardation_time > 0.0;
     if run.numerics.method.is_in_time() {
-        let advice = "in time a viscous cell would need steps of some 1e-6 ms; give integrator = \
+        let advice = "integrated in time, a viscous cell would need steps of about 1e-6 ms; give integrator = \
                       \"quasi-static\", or --integrator quasi-static, or leave the retardation time out";
         if viscous {
             return exclude("numerics.integrator", "material.retardation_time", advice);
@@ -377,7 +377,7 @@ fn method(file: &RunFile, run: &Run) -> Checked {
     let gives_way =
         matches!(run.support, SupportKind::SpringHeldEnds { .. } | SupportKind::ElasticBed { .. });
     if viscous && gives_way {
-        let advice = "the springs of the support would be viscous, too; take another support, or leave the \
+        let advice = "the springs of the support would be viscous, too; choose another support, or leave the \
                       retardation time out";
         return exclude("mechanics.support", "material.retardation_time", advice);
     }
@@ -385,7 +385,7 @@ fn method(file: &RunFile, run: &Run) -> Checked {
         (
             run.material.area_law != AreaLaw::Gradient,
             "material.area_law",
-            "this area law has no energy, so the shape is no function of the tension; use \
+            "this area law has no energy, so the tension does not determine the shape; use \
              area_law = \"gradient\", or integrator = \"verlet\"",
         ),
         (
@@ -397,12 +397,12 @@ fn method(file: &RunFile, run: &Run) -> Checked {
         (
             run.numerics.engine.loops != Loops::Auto,
             "numerics.engine",
-            "equilibria need no engine; leave it out, or use integrator = \"verlet\"",
+            "a quasi-static run has no engine; leave it out, or use integrator = \"verlet\"",
         ),
         (
             file.has("numerics.time_step"),
             "numerics.time_step",
-            "equilibria know no time step; leave it out, or use integrator = \"verlet\"",
+            "a quasi-static run has no time step; leave it out, or use integrator = \"verlet\"",
         ),
     ];
     match hindrances.into_iter().find(|(stands, ..)| *stands) {
@@ -411,7 +411,7 @@ fn method(file: &RunFile, run: &Run) -> Checked {
     }
 }
 
-/// Intervals must divide each other, and there must be room for what they record.
+/// Checks the intervals: they must divide each other, and the records must not become too large.
 fn times(run: &Run) -> Checked {
     let exchange = ("numerics.exchange_interval", run.numerics.exchange_interval);
     let output = ("numerics.output_interval", run.numerics.output_interval);

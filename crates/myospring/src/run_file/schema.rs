@@ -1,4 +1,4 @@
-//! The JSON Schema of run files, made from the table of settings.
+//! JSON Schema of run files, generated from the table of settings.
 
 use crate::cell;
 use crate::mesh::built_in;
@@ -6,8 +6,8 @@ use crate::settings::{Kind, Setting, tables};
 use crate::units::Dimension;
 use serde_json::{Map, Value, json};
 
-/// JSON Schema of run files, Draft 2020-12, with each quantity's unit (`x-unit`) and bounds
-/// (`x-bounds`).
+/// Returns the JSON Schema of run files (Draft 2020-12) with each quantity's unit (`x-unit`) and
+/// bounds (`x-bounds`).
 ///
 /// # Example
 /// ```
@@ -37,19 +37,20 @@ pub fn schema() -> Value {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": schema_id("run-file"),
         "title": "Myospring run file",
-        "description": "A run file as it is written: every key may be absent.",
+        "description": "A run file of Myospring; every key may be absent.",
         "type": "object",
         "additionalProperties": false,
         "properties": properties,
     })
 }
 
-/// What a schema is called, wherever it lies: by its kind and version.
+/// Returns the identifier of a schema, made of its kind and the program's version.
 pub fn schema_id(kind: &str) -> String {
     format!("urn:myospring:{kind}:{}", env!("CARGO_PKG_VERSION"))
 }
 
-/// A number with a unit as text: a symbol of the dimension, `µ` as people write it, or a word such as `microns`.
+/// Returns the pattern of a number with a unit: a symbol of the dimension, any common form of `µ`,
+/// or a word such as `microns`.
 fn pattern(dimension: Dimension) -> String {
     let number = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*";
     if dimension == Dimension::Number {
@@ -63,7 +64,7 @@ fn pattern(dimension: Dimension) -> String {
     format!("{number}({}|[A-Za-z]{{4,}}[A-Za-z /]*)\\s*$", symbols.join("|"))
 }
 
-/// `um` with each of the letters that the prefix has.
+/// Returns `um` with each of the letters that stand for micro.
 fn micro(unit: &str) -> String {
     match unit.strip_prefix('u').filter(|rest| !rest.is_empty()) {
         Some(rest) => format!("[u\u{b5}\u{3bc}]{rest}"),
@@ -71,7 +72,7 @@ fn micro(unit: &str) -> String {
     }
 }
 
-/// The names that a key knows, where these stand in a list elsewhere.
+/// Returns the names that a key accepts, if another list defines them.
 fn names(setting: &Setting) -> Option<Vec<String>> {
     match setting.key {
         "cell.model" => Some(cell::models().iter().map(|it| it.name().to_owned()).collect()),
@@ -123,7 +124,7 @@ fn of_setting(setting: &Setting) -> Value {
     schema.into()
 }
 
-/// What it is, and what happens where it is left out.
+/// Describes a setting and its default.
 pub(super) fn described(setting: &Setting) -> String {
     match setting.otherwise {
         Some(otherwise) => format!("{} By default {otherwise}.", setting.doc),

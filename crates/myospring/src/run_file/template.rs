@@ -1,12 +1,12 @@
-//! A commented run file with every key and its default.
+//! Template: a commented run file with every key and its default.
 
 use super::file::written;
 use super::schema::described;
 use crate::settings::{Run, Setting, tables};
 use std::fmt::Write;
 
-/// A run file with every key: those with a default set to it, the others as a comment, each with
-/// its meaning, unit and bounds. Read, it gives exactly the default run.
+/// Returns a run file with every key, each with its meaning, unit and bounds. Keys with a default
+/// have that value; the others are comments. Reading the template gives exactly the default run.
 ///
 /// # Example
 /// ```
@@ -42,7 +42,7 @@ pub fn template() -> String {
     text
 }
 
-/// Meaning, bounds and words of a key.
+/// Returns the meaning, bounds and words of a key.
 fn about(setting: &Setting) -> String {
     let mut about = described(setting);
     if let Some(bounds) = setting.bounds_in_words() {
@@ -56,7 +56,7 @@ fn about(setting: &Setting) -> String {
     about
 }
 
-/// Text as comment lines of at most 100 characters.
+/// Returns a text as comment lines of at most 100 characters.
 fn comment(text: &str) -> String {
     let mut lines = String::new();
     let mut line = String::from("#");

@@ -330,7 +330,7 @@ mod tests {
             ),
             (
                 "time (ms),calcium (uM)\n0,0.1\n10,much\n",
-                "`trace.csv`, line 3, column `calcium (uM)`: \"much\" is no finite number",
+                "`trace.csv`, line 3, column `calcium (uM)`: \"much\" is not a finite number",
             ),
             (
                 "time (ms),calcium (uM)\n0,0.1\n10,0.2\n10,0.2\n",

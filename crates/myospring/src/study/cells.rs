@@ -1,7 +1,8 @@
-//! Cells without a mesh as members of a study: action potential and tension of each, one row a beat.
+//! Cells without a mesh as members of a study: action potential and tension of each cell, one row
+//! per beat.
 //!
-//! They move side by side where their model can ([`batch`]), on all threads of the study, and have the same bits as each
-//! has alone.
+//! They are integrated together if their model can be ([`batch`]), on all threads of the study,
+//! with results that are identical to the last bit to those of single cells.
 //!
 //! # Example
 //! Cells whose slow inward current differs:
@@ -42,19 +43,20 @@ use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
-/// So many cells at most are begun, and noted, together: enough for the lanes to be full nearly all the time.
+/// Largest number of cells that are started and recorded together: enough to keep the lanes nearly
+/// always full.
 const GROUP: usize = 8 * TOGETHER;
 
-/// A cell and how it is paced.
+/// A cell and its pacing.
 #[derive(Clone)]
 pub struct PacedCell {
-    /// Its name in the table.
+    /// Name in the table.
     pub name: String,
-    /// Its equations and constants.
+    /// Model: equations and constants.
     pub model: Arc<dyn CellModel>,
-    /// When and how it is stimulated.
+    /// Pacing protocol.
     pub protocol: Protocol,
-    /// How long it is followed, ms.
+    /// Simulated duration, ms.
     pub duration_ms: f64,
 }
 
@@ -66,7 +68,7 @@ impl Member for PacedCell {
         &self.name
     }
 
-    /// Of the model's name, every parameter to the last bit, the protocol and the duration.
+    /// Hash of the model's name, every parameter to the last bit, the protocol and the duration.
     fn key(&self) -> Option<String> {
         let Self { model, protocol, duration_ms, .. } = self;
         let rows = model.parameters().rows().iter();
@@ -84,15 +86,15 @@ impl Member for PacedCell {
 /// A beat of a cell, or a cell that failed or was never stimulated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BeatRow {
-    /// The cell's name.
+    /// Name of the cell.
     pub cell: String,
-    /// What became of it.
+    /// Outcome.
     pub status: Status,
-    /// Why it is not ok; else empty.
+    /// Reason if the status is not ok; else empty.
     pub reason: String,
-    /// The beat's number, from 1.
+    /// Number of the beat, from 1.
     pub number: Option<u32>,
-    /// Its beat.
+    /// The beat.
     pub beat: Option<Beat>,
 }
 
@@ -137,7 +139,7 @@ impl BeatRow {
         Self { cell, status: Status::Ok, reason, number: None, beat: None }
     }
 
-    /// A row for each beat of a cell; one without a beat if it has none.
+    /// Returns one row per beat of a cell, or one row without a beat if it has none.
     fn of(cell: &str, beats: Vec<Beat>) -> Vec<Self> {
         if beats.is_empty() {
             return vec![Self::at_rest(cell)];
@@ -149,7 +151,7 @@ impl BeatRow {
     }
 }
 
-/// What the rows of such a study depend on beside its cells, as text for [`Journal::open`].
+/// Returns, as text for [`Journal::open`], the settings on which the rows depend besides the cells.
 pub fn settings(method: Settings) -> String {
     let Settings { method, step_ms, tolerance } = method;
     let version = env!("CARGO_PKG_VERSION");
@@ -159,10 +161,10 @@ pub fn settings(method: Settings) -> String {
     )
 }
 
-/// Follows every cell that the journal does not have to its end, many at a time.
+/// Simulates every cell that the journal does not contain, many at a time.
 ///
 /// # Errors
-/// A step or tolerance that is not possible, and those of [`run`](super::run).
+/// An invalid step or tolerance, and those of [`run`](super::run).
 pub fn run(
     cells: &[PacedCell],
     method: Settings,
@@ -172,7 +174,7 @@ pub fn run(
 ) -> Result<Report<BeatRow>, StudyError> {
     method.validate()?;
     let settings = BatchSettings { method, sample_interval_ms: None };
-    // Few cells are shared out among all threads.
+    // A few cells are distributed among all threads.
     let together = cells.len().div_ceil(threads.count()).clamp(1, GROUP);
     let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
     let interruption = observer.interruption();
@@ -181,7 +183,7 @@ pub fn run(
     })
 }
 
-/// The rows of each cell of a group.
+/// Returns the rows of each cell of a group.
 fn side_by_side(
     group: &[&PacedCell],
     settings: &BatchSettings,

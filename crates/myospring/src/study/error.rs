@@ -1,4 +1,4 @@
-//! Why a study cannot go on.
+//! Errors that end a study.
 
 use crate::cell::solve::SolveError;
 use crate::output::files::FileError;
@@ -6,28 +6,28 @@ use std::error::Error;
 use std::io;
 use std::path::PathBuf;
 
-/// Anything that can go wrong with one member, or with whoever watches.
+/// Error of one member, or of an observer.
 pub type Cause = Box<dyn Error + Send + Sync>;
 
-/// Why a study did not begin or go on; what is wrong with one member is a row instead.
+/// Why a study did not begin or continue; the error of one member is a row instead.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The folder belongs to another study.
     #[error(
-        "`{folder}` already holds results of other settings; choose another folder, or begin anew there"
+        "`{folder}` already contains results of other settings; choose another folder, or start again there"
     )]
     OtherSettings {
         /// The folder.
         folder: PathBuf,
     },
-    /// The folder holds something that is no study.
-    #[error("`{folder}` already holds files; choose another folder, or begin anew there")]
+    /// The folder contains files that do not belong to a study.
+    #[error("`{folder}` already contains files; choose another folder, or start again there")]
     Occupied {
         /// The folder.
         folder: PathBuf,
     },
-    /// Two members would be taken for one.
-    #[error("two members of the study are named `{name}`; give each a name of its own")]
+    /// Two members have the same name.
+    #[error("two members of the study are named `{name}`; give each its own name")]
     SameName {
         /// The name.
         name: String,
@@ -37,9 +37,9 @@ pub enum StudyError {
         "cannot write `{path}`: {source}; choose a folder that you may write to, on a disk that has room"
     )]
     Journal {
-        /// Its file.
+        /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A row cannot be written as JSON.
@@ -48,13 +48,13 @@ pub enum StudyError {
     /// A file of the results cannot be written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// Settings of the cells' integration that are not possible.
+    /// Invalid settings of the integration of cells.
     #[error(transparent)]
     Cells(#[from] SolveError),
-    /// The system gives no threads.
-    #[error("the system gives no threads: {0}; ask for fewer")]
+    /// The operating system refuses threads.
+    #[error("the operating system refuses threads: {0}; use fewer")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// Whoever watches the study cannot go on.
+    /// The observer failed.
     #[error(transparent)]
     Observer(Cause),
 }

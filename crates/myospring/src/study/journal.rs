@@ -1,4 +1,4 @@
-//! What is done, line by line, so that an interrupted study goes on where it was.
+//! Journal of finished members, one per line, from which an interrupted study resumes.
 
 use super::{Member, StudyError};
 use crate::output::files::{self, FileError, Hold, MANIFEST, Manifest, Reads, hold, sha256};
@@ -12,30 +12,31 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 const FILE: &str = "progress.jsonl";
 const SETTINGS: &str = "settings.toml";
-/// Before and after the checksum of a line, its last key.
+/// Text before and after the checksum, the last key of a line.
 const CHECK: [&str; 2] = [",\"check\":\"", "\"}\n"];
-/// Digits of the checksum.
+/// Number of digits of the checksum.
 const DIGITS: usize = 16;
 
-/// A member that is done.
+/// A finished member.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Entry<R> {
-    /// Its name, under the word for such members.
+    /// Its name, with [`Member::KIND`] as key.
     #[serde(flatten)]
     name: BTreeMap<String, String>,
-    /// The hash of its input; empty if there was none.
+    /// Hash of its input; empty if there was none.
     sha256: String,
     rows: Vec<R>,
 }
 
-/// The journal of a study: `progress.jsonl`, a line for each member that is done, beside `settings.toml`, all
-/// that they have in common. A study goes on only with the same settings to the letter. While it goes on, the
-/// journal is locked: a second study in its folder is refused.
+/// Journal of a study: `progress.jsonl` with one line per finished member, and `settings.toml` with
+/// everything that the members have in common. A study resumes only if its settings are identical.
+/// While it runs, the journal is locked: a second study in the same folder is refused.
 ///
-/// Each line ends with a checksum over itself and the settings. A line that was damaged, or that is of another study,
-/// counts for nothing: its member is worked on anew ([`Journal::damaged`]).
+/// Each line ends with a checksum of the line and the settings. A damaged line, or one of another
+/// study, is ignored: its member is computed again ([`Journal::damaged`]).
 ///
-/// Rows stay on the disk: of each member that is done, memory has its name and the place of its line.
+/// Rows stay on disk; memory holds only the name of each finished member and the position of its
+/// line.
 pub struct Journal<M: Member> {
     state: Mutex<State<M::Row>>,
 }
@@ -49,22 +50,22 @@ struct OnDisk {
     path: PathBuf,
     file: File,
     lines: BTreeMap<Box<str>, Line>,
-    /// The hash of the settings, with which each checksum begins.
+    /// Hash of the settings, the first input of each checksum.
     settings: String,
     damaged: usize,
     manifest: Manifest,
 }
 
-/// What is kept of an entry beside its member's name.
+/// Content of an entry besides the name of its member.
 struct Done<R> {
     sha256: String,
     rows: Vec<R>,
 }
 
-/// The line of a member that is done.
+/// Line of a finished member.
 #[derive(Debug, Clone, Copy)]
 struct Line {
-    /// Of the hash of its input: all that is asked is whether it is another.
+    /// Short hash of the hash of its input, enough to detect a changed input.
     input: u64,
     start: u64,
     length: u32,
@@ -77,26 +78,28 @@ fn digest(sha256: &str) -> u64 {
 }
 
 impl<M: Member> Journal<M> {
-    /// A journal that is forgotten with the study.
+    /// Creates a journal in memory, for studies that are not resumed.
     pub fn in_memory() -> Self {
         Self { state: Mutex::new(State::InMemory(BTreeMap::new())) }
     }
 
-    /// Goes on with the journal in a folder of results, or begins one in a folder that is empty or not there.
+    /// Opens the journal in a folder of results, or begins one in a folder that is empty or does
+    /// not exist.
     ///
-    /// `settings` is what the rows depend on beside the members' input, as text.
+    /// `settings` is the text of all settings on which the rows depend besides the members' input.
     ///
     /// # Errors
-    /// A folder that holds results of other settings, or anything else, that another study is writing to, or that
-    /// cannot be written to.
+    /// A folder that contains results of other settings or other files, one that another study is
+    /// writing to, or one that cannot be written to.
     pub fn open(folder: &Path, settings: &str) -> Result<Self, StudyError> {
         Self::open_beside(folder, settings, &Reads::new())
     }
 
-    /// As [`Journal::open`], in a folder whose results must not replace any of the files that are read.
+    /// Does what [`Journal::open`] does, in a folder whose results must not replace any of the
+    /// input files.
     ///
     /// # Errors
-    /// Those of [`Journal::open`], and a file that is both.
+    /// Those of [`Journal::open`], and an input file that a result would replace.
     pub fn open_beside(folder: &Path, settings: &str, reads: &Reads) -> Result<Self, StudyError> {
         let manifest = Manifest::of(folder);
         reads.check_folder(folder)?;
@@ -104,7 +107,7 @@ impl<M: Member> Journal<M> {
         files::create_folder(folder)?;
         Self::belongs(folder, settings)?;
         let (path, file) = Self::hold(&manifest)?;
-        // Another study may have begun there in between.
+        // Another study may have begun there in the meantime.
         Self::belongs(folder, settings)?;
         files::clear_parts(folder).map_err(|source| unwritten(folder, source))?;
         let mut journal = Self::on_disk(path, file, settings, manifest);
@@ -114,11 +117,13 @@ impl<M: Member> Journal<M> {
         Ok(Self { state: Mutex::new(State::OnDisk(journal)) })
     }
 
-    /// Begins a journal in a folder. What its manifest lists of earlier results is removed.
+    /// Begins a journal in a folder and removes the earlier results that the folder's manifest
+    /// lists.
     ///
     /// # Errors
-    /// A folder that holds files which the manifest does not list, which were changed since, or which are read, as
-    /// `reads` has them; one that another study is writing to, or that cannot be written to.
+    /// A folder that contains files that the manifest does not list, that were changed since, or
+    /// that are input files (`reads`); one that another study is writing to, or that cannot be
+    /// written to.
     pub fn begin_anew(folder: &Path, settings: &str, reads: &Reads) -> Result<Self, StudyError> {
         let manifest = Manifest::of(folder);
         if manifest.is_there() && folder.join(FILE).exists() {
@@ -140,7 +145,7 @@ impl<M: Member> Journal<M> {
         OnDisk { path, file, lines: BTreeMap::new(), settings, damaged: 0, manifest }
     }
 
-    /// Whether a study of these settings may go on or begin in a folder.
+    /// Checks that a study with these settings may resume or begin in a folder.
     fn belongs(folder: &Path, settings: &str) -> Result<(), StudyError> {
         let folder_path = || folder.to_owned();
         match fs::read_to_string(folder.join(SETTINGS)).ok() {
@@ -151,7 +156,7 @@ impl<M: Member> Journal<M> {
             Some(before) if before == settings => Ok(()),
             Some(_) => Err(StudyError::OtherSettings { folder: folder_path() }),
             None => {
-                // A study that was about to begin has left its journal, with nothing in it.
+                // An empty journal is that of a study that was interrupted at its start.
                 let begun = |entry: &DirEntry| {
                     let (name, length) = (entry.file_name(), entry.metadata().map(|of| of.len()));
                     name == MANIFEST
@@ -168,7 +173,7 @@ impl<M: Member> Journal<M> {
         }
     }
 
-    /// The journal's file, which no other study may write to as long as it is open.
+    /// Opens and locks the journal's file: no other study may write to it while it is open.
     fn hold(manifest: &Manifest) -> Result<(PathBuf, File), StudyError> {
         let path = manifest.changing(FILE)?;
         match hold(&path) {
@@ -182,7 +187,7 @@ impl<M: Member> Journal<M> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The list of the files in its folder; `None` of one in memory.
+    /// Returns the manifest of its folder; `None` for a journal in memory.
     pub fn manifest(&self) -> Option<Manifest> {
         match &*self.state() {
             State::InMemory(_) => None,
@@ -190,8 +195,8 @@ impl<M: Member> Journal<M> {
         }
     }
 
-    /// How many lines, or results that belong to a line, were damaged since they were written. What they said is lost,
-    /// and their members are worked on anew.
+    /// Returns the number of lines, or results that belong to a line, that were damaged since they
+    /// were written. Their content is lost, and their members are computed again.
     pub fn damaged(&self) -> usize {
         match &*self.state() {
             State::InMemory(_) => 0,
@@ -199,7 +204,7 @@ impl<M: Member> Journal<M> {
         }
     }
 
-    /// Takes members for not done whose results elsewhere are damaged.
+    /// Marks members as not finished, because their results in other files are damaged.
     pub(super) fn forget<'a>(&self, members: impl IntoIterator<Item = &'a M>)
     where
         M: 'a,
@@ -211,7 +216,7 @@ impl<M: Member> Journal<M> {
         }
     }
 
-    /// The members that are not done, or whose input has changed since.
+    /// Returns the members that are not finished, or whose input has changed since.
     pub(super) fn left<'a>(&self, members: &'a [M]) -> Vec<&'a M> {
         let state = self.state();
         let unchanged = |member: &&M| match &*state {
@@ -225,7 +230,7 @@ impl<M: Member> Journal<M> {
         members.iter().filter(|member| !unchanged(member)).collect()
     }
 
-    /// Adds members that are done, each with its key and rows; they are on the disk when this returns.
+    /// Adds finished members, each with its key and rows; they are on disk when this returns.
     pub(super) fn add<'a>(
         &self,
         done: impl IntoIterator<Item = (&'a M, Option<String>, Vec<M::Row>)>,
@@ -257,7 +262,7 @@ impl<M: Member> Journal<M> {
         Ok(())
     }
 
-    /// The rows of these members, in their order, as far as they are done.
+    /// Returns the rows of those of these members that are finished, in order.
     ///
     /// # Errors
     /// A journal that cannot be read.
@@ -275,7 +280,7 @@ impl<M: Member> Journal<M> {
                 let mut bytes = Vec::new();
                 for line in members.iter().filter_map(|member| lines.get(member.name())) {
                     bytes.resize(line.length as usize, 0);
-                    // Neighbours in the journal are mostly neighbours in the study.
+                    // Members that follow one another in the study mostly do so in the journal.
                     reader
                         .seek_relative(line.start.cast_signed() - here.cast_signed())
                         .and_then(|()| reader.read_exact(&mut bytes))
@@ -293,7 +298,7 @@ fn unwritten(path: &Path, source: io::Error) -> StudyError {
     StudyError::Journal { path: path.to_owned(), source }
 }
 
-/// An entry as a line with its checksum.
+/// Returns an entry as a line with its checksum.
 fn line<R: Serialize>(entry: &Entry<R>, settings: &str) -> Result<String, StudyError> {
     let mut text = serde_json::to_string(entry)?;
     let check = checksum(&text, settings);
@@ -302,14 +307,14 @@ fn line<R: Serialize>(entry: &Entry<R>, settings: &str) -> Result<String, StudyE
     Ok(text + before + &check + after)
 }
 
-/// The checksum of an entry's text in a study of these settings.
+/// Returns the checksum of an entry's text in a study with these settings.
 fn checksum(text: &str, settings: &str) -> String {
     let mut all = sha256(format!("{settings}{text}").as_bytes());
     all.truncate(DIGITS);
     all
 }
 
-/// The text of an entry, where its checksum is right.
+/// Returns the text of an entry if its checksum is right.
 fn checked(line: &[u8], settings: &str) -> Option<String> {
     let [before, after] = CHECK;
     let line = str::from_utf8(line).ok()?.strip_suffix(after)?;
@@ -318,19 +323,20 @@ fn checked(line: &[u8], settings: &str) -> Option<String> {
     (checksum(&text, settings) == check).then_some(text)
 }
 
-/// Adds whole lines at the end of a journal, or nothing; returns where they begin.
+/// Appends whole lines to a journal, or nothing if that fails; returns their position.
 fn append(file: &mut File, lines: &[u8]) -> io::Result<u64> {
     let end = file.seek(SeekFrom::End(0))?;
     let written = file.write_all(lines).and_then(|()| file.sync_data());
     if written.is_err() {
-        // A part of a line that stays is cut off by the next study.
+        // If a partial line remains, the next study removes it.
         file.set_len(end).ok();
     }
     written.map(|()| end)
 }
 
 impl OnDisk {
-    /// Reads the lines, of several of one name the last; a last line that was cut off is removed.
+    /// Reads the lines and removes an incomplete last line. If several lines have one name, the
+    /// last counts.
     fn read<M: Member>(&mut self) -> io::Result<()> {
         let mut start = 0;
         let mut reader = BufReader::new(&self.file);
@@ -356,13 +362,13 @@ impl OnDisk {
     }
 }
 
-/// An entry by its name, if it is of such a member.
+/// Returns the name and content of an entry if it belongs to a member of this kind.
 fn named<M: Member>(mut entry: Entry<M::Row>) -> Option<(String, Done<M::Row>)> {
     let done = Done { sha256: entry.sha256, rows: entry.rows };
     Some((entry.name.remove(M::KIND)?, done))
 }
 
-/// The place of an entry by its name, if it is of such a member.
+/// Returns the name and position of an entry if it belongs to a member of this kind.
 fn placed<M: Member>(entry: &Entry<M::Row>, start: u64, length: usize) -> Option<(Box<str>, Line)> {
     let name = entry.name.get(M::KIND)?.as_str().into();
     let length = u32::try_from(length).ok()?;

@@ -1,47 +1,47 @@
-//! What a study is made of, and what comes of it.
+//! Members of a study and the rows of its table.
 
 use crate::output::table::Table;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// One of the many that a study works on.
+/// A member of a study.
 pub trait Member: Sync {
-    /// What a member is called in the journal and in messages: `picture`.
+    /// Word for a member in the journal and in messages, such as `picture`.
     const KIND: &'static str;
 
-    /// What comes of it.
+    /// Row of its result.
     type Row: Row;
 
-    /// Its name, which no other member of the study has.
+    /// Returns its name, unique in the study.
     fn name(&self) -> &str;
 
-    /// The hash of its input ([`sha256`](super::sha256)): another hash is done anew. `None` if the input
-    /// cannot be read; then it is done anew, too.
+    /// Returns the hash of its input ([`sha256`](super::sha256)). A member whose hash has changed
+    /// is computed again, and so is one whose input cannot be read (`None`).
     fn key(&self) -> Option<String>;
 }
 
-/// A row of a study's table; JSON must give back every number to the last bit.
+/// A row of a study's table; its JSON must keep every number to the last bit.
 pub trait Row: Clone + Serialize + DeserializeOwned + Send {
-    /// The row of a member of which nothing is known but why it failed.
+    /// Returns the row of a member of which only the reason for its failure is known.
     fn failed(member: &str, reason: String) -> Self;
 
-    /// What became of it.
+    /// Returns the outcome of its subject.
     fn status(&self) -> Status;
 
-    /// The table of some rows.
+    /// Returns the table of these rows.
     fn table(rows: &[Self]) -> Table;
 }
 
-/// What became of a row's subject.
+/// Outcome of the subject of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// It was done.
+    /// Finished.
     Ok,
-    /// It was seen but not done, for a reason that the row gives.
+    /// Found but not computed; the row states the reason.
     LeftOut,
-    /// It cannot be done, or stopped early.
+    /// Failed, or stopped early.
     Failed,
 }
 

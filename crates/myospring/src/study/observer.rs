@@ -1,4 +1,4 @@
-//! Whoever watches a study.
+//! Observers of a study.
 
 use super::{Cause, Member};
 use crate::interruption::Interruption;
@@ -7,40 +7,43 @@ use std::time::Duration;
 /// How often [`Observer::table`] is called while members are under way.
 pub const TABLE_EVERY: Duration = Duration::from_secs(5);
 
-/// What to say of members whose kept results are damaged.
+/// Returns the message for members whose recorded results are damaged.
 pub fn damaged(count: usize, members: &str) -> String {
     format!(
         "the results of {count} {members} that were kept here were changed or damaged since; they are computed anew"
     )
 }
 
-/// Watches a study; `()` does not.
+/// Is told about the progress of a study; `()` ignores it.
 pub trait Observer<M: Member>: Sync {
-    /// The study begins; so many of its members were done before.
+    /// Called when the study begins: the number of members finished before, and of all members.
     fn begins(&self, _done: usize, _members: usize) {}
 
-    /// How many members have damaged results, which are computed anew.
+    /// Called with the number of members whose results are damaged and computed again.
     fn damaged(&self, _members: usize) {}
 
-    /// A member was done and stands in the journal; `false` begins no other.
+    /// Called after a member was finished and recorded in the journal; `false` stops the study.
     fn finished(&self, _member: &M, _rows: &[M::Row]) -> bool {
         true
     }
 
-    /// What may end the work on members under way; they are left undone, with [`Interrupted`](super::Interrupted).
+    /// Returns the interruption that may end the work on members in progress; they end with
+    /// [`Interrupted`](super::Interrupted) and stay unfinished.
     fn interruption(&self) -> Interruption {
         Interruption::default()
     }
 
-    /// Whether [`Observer::table`] is called while members are under way; of very many that takes long.
+    /// Whether [`Observer::table`] is called while members are in progress; with very many members
+    /// that takes long.
     fn wants_tables(&self) -> bool {
         true
     }
 
-    /// The rows so far, in the order of the members: every [`TABLE_EVERY`], and at the end.
+    /// Called with the rows so far, in the order of the members: every [`TABLE_EVERY`], and at the
+    /// end.
     ///
     /// # Errors
-    /// Whatever stands in the way of going on; the study ends with it.
+    /// Any error; it ends the study.
     fn table(&self, _rows: &[M::Row]) -> Result<(), Cause> {
         Ok(())
     }

@@ -1,12 +1,15 @@
-//! Studies of parameters: many runs that differ in numbers, such as sensitivity analyses and populations.
+//! Parameter studies: many runs with different parameter values, such as sensitivity analyses and
+//! populations.
 //!
-//! A [`ParameterStudy`] is read from a short TOML description: what all members have in common (a run file), which
-//! numbers vary and how ([`sampling`](super::sampling)), which metrics are wanted. [`run`] works on its members, or on a
-//! [`Shard`] of them; an [`Answer`] is what they say together: a table, who is kept, which parameter matters
+//! A [`ParameterStudy`] is read from a short TOML description: what all members have in common (a
+//! run file), which numbers vary and how ([`sampling`](super::sampling)), and which metrics are
+//! computed. [`run`] computes its members, or a [`Shard`] of them. An [`Answer`] contains their
+//! joint results: a table, the accepted members, and which parameters matter
 //! ([`sensitivity`](super::sensitivity)).
 //!
-//! Members that differ in the cell model alone share the equilibria of their mesh; those without a mesh go side by
-//! side. What a member gives hangs on its values alone: not on threads, shards, or on being resumed.
+//! Members that differ only in the cell model share the equilibria of their mesh; members without a
+//! mesh are integrated together. The result of a member depends only on its values, not on threads,
+//! shards or interruptions.
 //!
 //! # Example
 //! ```
@@ -64,19 +67,21 @@ use super::{Journal, Observer, Report, StudyError, Threads, run_together};
 use crate::cell::batch::TOGETHER;
 use std::num::NonZeroUsize;
 
-/// Cells that move side by side and are noted in one group.
+/// Number of cells that are integrated together and recorded as one group.
 const CELLS_TOGETHER: usize = 64 * TOGETHER;
-/// Cells that are sampled and noted in one group: a second of work for a dozen beats each.
+/// Number of cells that are sampled and recorded as one group: a second of work for a dozen beats
+/// each.
 const SAMPLED_CELLS_TOGETHER: usize = 64;
-/// Beats that are noted in one group: half a second of work.
+/// Number of beats that are recorded as one group: half a second of work.
 const BEATS_TOGETHER: usize = 8;
-/// Every thread has at least so many groups, so that all end at about the same time.
+/// Smallest number of groups per thread, so that all threads end at about the same time.
 const GROUPS: usize = 4;
 
-/// Works on every member of a part of a study that the journal does not have; `common` is made of the same study.
+/// Computes every member of a shard of a study that the journal does not contain; `common` must
+/// come from the same study.
 ///
 /// # Errors
-/// Those of [`study::run`](super::run); what is wrong with a member is a row.
+/// Those of [`study::run`](super::run); the error of a member is a row.
 pub fn run(
     study: &ParameterStudy,
     common: &Common,
@@ -88,7 +93,7 @@ pub fn run(
     run_members(common, &study.members(part), journal, threads, observer)
 }
 
-/// As [`run`], for any members.
+/// Does what [`run`] does, for any members.
 ///
 /// # Errors
 /// Those of [`run`].

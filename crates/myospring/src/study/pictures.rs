@@ -1,4 +1,5 @@
-//! Pictures as members of a study: the cells of each found, meshed and beaten, one row a cell.
+//! Pictures as members of a study: the cells of each picture are found, meshed and simulated, one
+//! row per cell.
 
 mod left_out;
 mod row;
@@ -20,34 +21,34 @@ use crate::simulation::{Outcome, Simulation, StopReason};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// How many cells the reason of a picture without any names.
+/// Largest number of skipped cells that the reason of a picture without usable cells names.
 const FEW: usize = 3;
 
-/// A picture of a study, or one cell of it that has settings of its own.
+/// A picture of a study, or one of its cells with its own settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// Its name, which no other member of the study has.
+    /// Name, unique in the study.
     pub name: String,
-    /// Its name in the table of results, which several cells of it have.
+    /// Name in the table of results; several cells may share it.
     pub file: String,
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// The group to which it belongs, for statistics.
+    /// Group to which it belongs, for statistics.
     pub group: Option<String>,
-    /// Settings of its own.
+    /// Its own settings.
     pub given: Vec<Given>,
-    /// Files that these name.
+    /// Files that these settings name.
     pub files: Vec<PathBuf>,
 }
 
 impl Picture {
-    /// A picture without settings of its own.
+    /// Creates a picture without its own settings.
     pub fn new(name: String, path: PathBuf) -> Self {
         let (file, group) = (name.clone(), None);
         Self { name, file, path, group, given: Vec::new(), files: Vec::new() }
     }
 
-    /// The row of this picture, of which nothing is known but why it failed.
+    /// Returns the row of this picture if only the reason for its failure is known.
     pub fn failed(&self, reason: String) -> CellRow {
         CellRow { group: self.group.clone(), ..CellRow::failed(&self.file, reason) }
     }
@@ -61,7 +62,7 @@ impl Member for Picture {
         &self.name
     }
 
-    /// Of the picture, and of the settings and files of its own.
+    /// Hash of the picture and of its own settings and files.
     fn key(&self) -> Option<String> {
         let picture = sha256(&files::read(&self.path).ok()?);
         if self.given.is_empty() && self.group.is_none() {
@@ -76,45 +77,47 @@ impl Member for Picture {
     }
 }
 
-/// Which cells of a picture are beaten. Cells that the frame cuts, that are doubtful or of an area that is not
-/// expected are left out with the reason, unless one was pointed at: by its number, label or place.
+/// Choice of the cells of a picture to simulate. Cells that are cut by the frame, doubtful, or of
+/// an unexpected area are skipped with the reason, unless one is chosen explicitly: by its number,
+/// label or position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
-    /// All.
+    /// All cells.
     Every,
-    /// The one that the run chooses; it is an error if the frame cuts it.
+    /// The cell that the run chooses; it is an error if the frame cuts it.
     Chosen,
 }
 
-/// A cell that has beaten.
+/// A simulated cell.
 pub struct Beaten<'a> {
     /// The picture.
     pub picture: &'a Picture,
-    /// The cell's name.
+    /// Name of the cell.
     pub cell: &'a str,
-    /// The settings, which choose this cell.
+    /// Settings, which choose this cell.
     pub run: &'a Run,
     /// Distance between neighbouring nodes, um.
     pub spacing_um: f64,
-    /// The cell on its mesh.
+    /// Simulation of the cell on its mesh.
     pub simulation: &'a Simulation,
-    /// The outline that was meshed, um.
+    /// Outline that was meshed, um.
     pub outline: &'a Outline,
-    /// Its fibres, and what the picture shows of them.
+    /// Fibres of the cell, and what the picture shows of them.
     pub fibres: &'a Fibres,
-    /// What came of it.
+    /// Outcome of the run.
     pub finished: &'a Outcome,
-    /// Its numbers.
+    /// Summary of the run.
     pub summary: &'a Summary,
 }
 
-/// Keeps more than rows, such as drawings; `()` keeps nothing. What it cannot keep fails the row.
+/// Writes results other than rows, such as drawings; `()` writes nothing. If writing fails, the row
+/// fails.
 pub trait Keeper: Sync {
-    /// A picture was looked at; those of its cells `to_beat` will be beaten, and `notes` say what a person should
-    /// know, such as why there is none.
+    /// Called after the cells of a picture were found. The cells `to_beat` will be simulated;
+    /// `notes` are for users, such as why there is no cell.
     ///
     /// # Errors
-    /// Whatever cannot be kept; the picture fails.
+    /// Whatever cannot be written; the picture fails.
     fn found(
         &self,
         _picture: &Picture,
@@ -125,10 +128,10 @@ pub trait Keeper: Sync {
         Ok(())
     }
 
-    /// A cell has beaten, to its end or up to a stop.
+    /// Called after a cell was simulated, to the end or up to an early stop.
     ///
     /// # Errors
-    /// Whatever cannot be kept; the cell fails.
+    /// Whatever cannot be written; the cell fails.
     fn beaten(&self, _beaten: &Beaten<'_>) -> Result<(), Cause> {
         Ok(())
     }
@@ -136,13 +139,13 @@ pub trait Keeper: Sync {
 
 impl Keeper for () {}
 
-/// Finds the cells of a picture and beats them; `run` has the settings, with the picture as its shape. At least one
-/// row: what is wrong with the picture or one of its cells is a row with the reason.
+/// Finds the cells of a picture and simulates them. `run` has the settings, with the picture as its
+/// shape. Returns at least one row: an error of the picture or of a cell is a row with the reason.
 ///
-/// Each beat is moved by as many threads as the run says, one unless told otherwise.
+/// Each simulation uses as many threads as the run states, by default one.
 ///
 /// # Errors
-/// [`Interrupted`], where the run is asked to end early; nothing else.
+/// Only [`Interrupted`], if the run is asked to end early.
 pub fn rows(
     picture: &Picture,
     run: &Run,
@@ -150,7 +153,7 @@ pub fn rows(
     keeper: &impl Keeper,
 ) -> Result<Vec<CellRow>, Cause> {
     let mut rows = match found_and_beaten(picture, run, which, keeper) {
-        // Whatever else it says then comes of that.
+        // After an interruption, any other error is a consequence of it.
         Err(_) if run.interruption.is_asked() => return Err(Interrupted.into()),
         Err(cause) => vec![picture.failed(cause.to_string())],
         Ok(rows) => rows,
@@ -169,15 +172,15 @@ fn found_and_beaten(
 ) -> Result<Vec<CellRow>, Cause> {
     let start = Instant::now();
     let Source::Picture(source) = &run.shape.source else {
-        return Err("the run takes its shape from no picture; give it shape.picture".into());
+        return Err("the run has no picture as its shape; set shape.picture".into());
     };
     let bytes = run.shape.bytes(|file| files::read(file.as_ref()))?;
-    // What there is to see is kept, whatever became of it.
+    // The overlay is written even if the picture is refused.
     let refused = |seen: &PictureCells, cause: ShapeError| -> Cause {
         let notes = [vec![cause.to_string()], seen.notes.clone()].concat();
         match keeper.found(picture, seen, &[], &notes) {
             Ok(()) => cause.into(),
-            Err(unkept) => format!("{cause}; and its overlay cannot be kept: {unkept}").into(),
+            Err(unkept) => format!("{cause}; and its overlay cannot be written: {unkept}").into(),
         }
     };
     let cells = match source.cells(&bytes) {
@@ -216,13 +219,13 @@ fn found_and_beaten(
             .take(FEW)
             .map(|row| format!("cell {}: {}", row.cell.as_deref().unwrap_or("?"), row.reason))
             .collect();
-        let none = "no cell is whole, sure enough and of an expected size";
+        let none = "no cell is complete, of sufficient confidence and of an expected size";
         rows.push(picture.failed(format!("{none}: {}", reasons.join("; "))));
     }
     Ok(rows)
 }
 
-/// The cells to be looked at, and rows of those that cannot be outlined.
+/// Returns the cells to consider, and the rows of those that cannot be outlined.
 fn chosen(
     source: &PictureSource,
     cells: &PictureCells,
@@ -246,7 +249,7 @@ fn chosen(
     Ok((chosen, failed))
 }
 
-/// Beats one cell and adds its numbers to the row.
+/// Simulates one cell and adds its numbers to the row.
 fn beat(
     picture: &Picture,
     run: &Run,

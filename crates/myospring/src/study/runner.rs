@@ -1,4 +1,4 @@
-//! The loop over the members of a study.
+//! Loop over the members of a study.
 
 use super::{
     Cause, Interrupted, Journal, Member, Observer, Row, Status, StudyError, TABLE_EVERY, Threads,
@@ -10,31 +10,32 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// What came of a study.
+/// Result of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report<R> {
-    /// How many members were done before.
+    /// Number of members that were finished before.
     pub resumed: usize,
-    /// Whether whoever watched stopped it before its end.
+    /// Whether the observer stopped the study before its end.
     pub stopped: bool,
-    /// The rows of all members that are done, in the order of the members.
+    /// Rows of all finished members, in the order of the members.
     pub rows: Vec<R>,
 }
 
 impl<R: Row> Report<R> {
-    /// How many rows have this status.
+    /// Returns the number of rows with this status.
     pub fn count(&self, status: Status) -> usize {
         self.rows.iter().filter(|row| row.status() == status).count()
     }
 }
 
-/// Works on every member that the journal does not have; `work` gives the rows of one, at least one.
+/// Computes every member that the journal does not contain; `work` returns the rows of one member,
+/// at least one row.
 ///
-/// What `work` says of a failure becomes the member's row; if that is [`Interrupted`], there is no row and the study
-/// ends. If it panics, the row asks for a report.
+/// An error of `work` becomes the member's row, except [`Interrupted`], which gives no row and ends
+/// the study. If `work` panics, the row asks the user to report it.
 ///
 /// # Errors
-/// Two members of one name, a journal that cannot be written, or what the observer says.
+/// Two members with the same name, a journal that cannot be written, or an error of the observer.
 pub fn run<M: Member>(
     members: &[M],
     journal: &Journal<M>,
@@ -46,7 +47,8 @@ pub fn run<M: Member>(
     run_together(members, journal, threads, observer, NonZeroUsize::MIN, work)
 }
 
-/// Like [`run`], with up to `together` members at a time on a thread: `work` gives the rows of each, in order.
+/// Does what [`run`] does, with up to `together` members at a time on a thread: `work` returns the
+/// rows of each member, in order.
 ///
 /// # Errors
 /// Those of [`run`].
@@ -100,7 +102,7 @@ pub fn run_together<M: Member>(
     Ok(Report { resumed, stopped, rows })
 }
 
-/// A name that two members have.
+/// Returns a name that two members have.
 fn twice<M: Member>(members: &[M]) -> Option<&str> {
     let mut names = BTreeSet::new();
     members.iter().map(Member::name).find(|name| !names.insert(*name))
@@ -118,13 +120,13 @@ impl From<StudyError> for End {
     }
 }
 
-/// The rows of each member of a group, at least one, or `None` of one that was interrupted; whatever goes wrong is
-/// a row.
+/// Returns the rows of each member of a group, at least one row each, or `None` for an interrupted
+/// member. Any error is a row.
 fn guarded<M: Member>(
     group: &[&M],
     work: &(impl Fn(&[&M]) -> Vec<Result<Vec<M::Row>, Cause>> + Sync),
 ) -> Vec<Option<Vec<M::Row>>> {
-    // A fault of ours in one member must not cost the others.
+    // A panic in one member must not lose the results of the others.
     let answers = catch_unwind(AssertUnwindSafe(|| work(group)));
     if answers.is_err() && group.len() > 1 {
         return group.iter().flat_map(|member| guarded(&[*member], work)).collect();
@@ -135,7 +137,7 @@ fn guarded<M: Member>(
         Some(Err(cause)) if cause.is::<Interrupted>() => None,
         Some(Err(cause)) => Some(vec![M::Row::failed(member.name(), cause.to_string())]),
         _ => {
-            let reason = "the program made a mistake; please report it with this";
+            let reason = "this is an error of the program; please report it together with this";
             Some(vec![M::Row::failed(member.name(), format!("{reason} {}", M::KIND))])
         }
     };

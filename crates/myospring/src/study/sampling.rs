@@ -1,7 +1,8 @@
-//! Samples of parameters: where a study looks, as a matrix with one row a member and one column a parameter.
+//! Samples of parameter values, as a matrix with one row per member and one column per parameter.
 //!
-//! A [`Sampler`] places points in the unit cube, and each parameter's [`Distribution`] takes its column from there to
-//! values. A design hangs on its seed alone: the same rows on every machine.
+//! A [`Sampler`] places points in the unit cube, and each parameter's [`Distribution`] takes its
+//! column from there to values. A design depends only on its seed, so it has the same rows on every
+//! machine.
 //!
 //! | sampler | rows | for |
 //! |---|---|---|
@@ -41,7 +42,7 @@ pub use sampler::Sampler;
 
 pub(super) use random::Random;
 
-/// The values of parameters: one row a member, each made when it is asked for.
+/// Parameter values, one row per member; each row is computed when it is requested.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
     points: Points,
@@ -49,12 +50,13 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// How many rows there are.
+    /// Returns the number of rows.
     pub fn count(&self) -> usize {
         self.points.count()
     }
 
-    /// The values of a row, from 0, in the order of the distributions; none past the last.
+    /// Returns the values of a row, counted from 0, in the order of the distributions; `None` past
+    /// the last row.
     pub fn row(&self, row: usize) -> Option<Vec<f64>> {
         let mut places = self.points.point(row)?.into_iter();
         let value = |distribution: &Distribution| {
@@ -64,16 +66,17 @@ impl Sample {
         Some(self.distributions.iter().map(value).collect())
     }
 
-    /// All rows, in order.
+    /// Iterates over all rows, in order.
     pub fn iter(&self) -> impl Iterator<Item = Vec<f64>> {
         (0..self.count()).filter_map(|row| self.row(row))
     }
 }
 
-/// The values of parameters, in the order of their distributions. Those that are fixed take no dimension of the design.
+/// Samples parameter values, in the order of their distributions. Fixed parameters take no
+/// dimension of the design.
 ///
 /// # Errors
-/// A distribution or size that is not possible, or nothing that varies.
+/// An invalid distribution or size, or no parameter that varies.
 pub fn sample(
     sampler: &Sampler,
     distributions: &[Distribution],

@@ -1,11 +1,12 @@
-//! Which parameter matters: Sobol's indices and Morris's elementary effects.
+//! Sensitivity analysis: Sobol's indices and Morris's elementary effects.
 //!
-//! Rows are those of the sampler of the same name ([`Sampler::Saltelli`](super::sampling::Sampler::Saltelli),
-//! [`Sampler::Morris`](super::sampling::Sampler::Morris)), in their order; what a member that failed would have been is
-//! not a number, and the base point or trajectory that it belongs to is left out and counted.
+//! The rows must be those of the sampler of the same name
+//! ([`Sampler::Saltelli`](super::sampling::Sampler::Saltelli),
+//! [`Sampler::Morris`](super::sampling::Sampler::Morris)), in their order. The result of a failed
+//! member is NaN; the base point or trajectory that contains it is skipped and counted.
 //!
 //! # Example
-//! Of Ishigami's function, whose indices are known:
+//! Ishigami's function, whose indices are known:
 //! ```
 //! use myospring::study::sampling::{Distribution, Sampler, sample};
 //! use myospring::study::sensitivity::sobol;

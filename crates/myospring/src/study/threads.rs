@@ -1,29 +1,29 @@
-//! Threads of work on many members: never more in all than the machine has cores.
+//! Threads for many members: never more in total than the machine has cores.
 
 use super::StudyError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Threads of a study, none of them shared with anything else in the process.
+/// Threads of a study, which nothing else in the process uses.
 #[derive(Debug)]
 pub struct Threads(ThreadPool);
 
 impl Threads {
-    /// Threads for so many members at a time; without a wish as many as there are cores, and never more.
+    /// Creates `asked` threads; by default, and at most, as many as there are cores.
     ///
     /// # Errors
-    /// When the system gives no threads.
+    /// The operating system refuses threads.
     pub fn new(asked: Option<usize>) -> Result<Self, StudyError> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let threads = asked.filter(|count| *count > 0).map_or(cores, |count| count.min(cores));
         Ok(Self(ThreadPoolBuilder::new().num_threads(threads).build()?))
     }
 
-    /// How many there are.
+    /// Returns the number of threads.
     pub fn count(&self) -> usize {
         self.0.current_num_threads()
     }
 
-    /// Does something on these threads: parallel iterators of rayon in it use no others.
+    /// Runs a closure on these threads; parallel iterators of rayon inside it use no others.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.0.install(work)
     }

@@ -1,4 +1,4 @@
-//! The curves of a workbook, sheet by sheet.
+//! Reads the curves of a workbook, sheet by sheet.
 
 use super::picked::{Picked, listed, named, no_numbers, stem};
 use crate::measured::curve::{Curve, Table};
@@ -7,7 +7,8 @@ use crate::measured::options::{Column, Options};
 use crate::measured::sheet::Sheet;
 use crate::measured::workbook;
 
-/// The curves of all sheets, or of those that were asked for; a sheet that has none is a note where another has some.
+/// Returns the curves of all sheets, or of the requested ones. If some sheets have curves, each
+/// sheet without one is reported as a note.
 pub(super) fn of_workbook(path: &str, bytes: &[u8], options: &Options) -> Result<Table, ReadError> {
     let whole = |cause: String| ReadError::Table { path: path.to_owned(), cause };
     let mut sheets = workbook::sheets(bytes).map_err(|what| whole(format!("it is {what}")))?;

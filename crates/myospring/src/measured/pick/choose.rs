@@ -1,4 +1,5 @@
-//! Which columns are curves, where their times come from, and which are a pacer's marks.
+//! Chooses the columns that are curves, the source of their times, and the columns with marks of a
+//! pacer.
 
 use super::picked::{Picked, listed, named, rises};
 use crate::analysis::kind::Kind;
@@ -8,9 +9,9 @@ use crate::measured::number::Cell;
 use crate::measured::options::Column;
 use crate::measured::times::{Clock, Timed};
 
-/// Marks closer to each other are of one pulse, ms: no heart beats thirty times a second.
+/// Marks closer together than this belong to one pulse, ms: no heart beats thirty times a second.
 const PULSE_MS: f64 = 30.0;
-/// A column that is a curve, and where its times come from.
+/// A column that is a curve, and the source of its times.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chosen {
     pub(super) at: usize,
@@ -18,14 +19,14 @@ pub(super) struct Chosen {
 }
 
 impl Picked<'_> {
-    /// The names of all columns.
+    /// Returns the names of all columns.
     pub(super) fn names(&self) -> Vec<String> {
         (0..self.sheet.width()).map(|at| self.sheet.name(at)).collect()
     }
 
-    /// The places of a column that was asked for: several where it is named alike for each cell.
+    /// Returns the indices of a requested column; several if each cell has a column of that name.
     pub(super) fn find(&self, wanted: &Column, titles: &[Title]) -> Result<Vec<usize>, ReadError> {
-        // Of rows that are curves the first is 1.
+        // If the rows are curves, the first row is number 1.
         let axis = usize::from(self.sheet.turned.len() > 1 && self.has_axis());
         let all = 0..titles.len();
         let found: Vec<usize> = match wanted {
@@ -51,7 +52,7 @@ impl Picked<'_> {
         Ok(found)
     }
 
-    /// Whether the first column of a table that was turned over has times or frames.
+    /// Whether the first column of a transposed table contains times or frames.
     pub(super) fn has_axis(&self) -> bool {
         self.sheet.header.len() == self.sheet.turned.len()
             && matches!(
@@ -59,7 +60,8 @@ impl Picked<'_> {
                 Holds::Time | Holds::Frame
             )
     }
-    /// Where the times of each column come from: where a table has several columns of times, from the nearest on its left.
+    /// Returns the source of the times of each column. If a table has several columns of times, a
+    /// column belongs to the nearest one on its left.
     pub(super) fn clocks(
         &mut self,
         columns: &[usize],
@@ -75,7 +77,7 @@ impl Picked<'_> {
             None => all(Holds::Frame).into_iter().take(1).collect(),
         };
         let rate = Clock::of_rate(self.options).map_err(|cause| self.error(cause))?;
-        // Without a name the first column is time, where it rises; one that counts has frames.
+        // Without a name, the first column is time if it increases, or frames if it counts.
         let numbers = self.numbers(0);
         let rises = numbers.len() > 1 && numbers.windows(2).all(|pair| pair[1] > pair[0]);
         let nameless = self.sheet.header.first().is_none_or(String::is_empty);
@@ -111,7 +113,7 @@ impl Picked<'_> {
                 columns.iter().copied().filter(|column| (start..end).contains(column)).collect();
             if own.is_empty() && sources.len() > 1 {
                 notes.push(format!(
-                    "column `{}` has times and no curve beside it: passed over (--time takes it)",
+                    "column `{}` has times but no curve: ignored (choose it by --time)",
                     self.sheet.name(at)
                 ));
                 continue;
@@ -130,7 +132,7 @@ impl Picked<'_> {
         Ok(columns.iter().filter_map(|at| of(*at)).collect())
     }
 
-    /// When a pacer's marks stand, ms on the clock of the curves: the beginning of each pulse.
+    /// Returns the start of each pulse of a pacer, ms on the clock of the curves.
     pub(super) fn marks(
         &mut self,
         held: &[Holds],
@@ -156,25 +158,25 @@ impl Picked<'_> {
             }
         }
         times.sort_by(f64::total_cmp);
-        // A pulse is marked where it begins and where it ends.
+        // A pulse is marked at its start and at its end.
         times.dedup_by(|time, before| *time - *before < PULSE_MS);
         if !times.is_empty() {
             self.notes.push(format!(
-                "{} marks of a pacer in column `{}` are taken as stimuli, unless others are given (--ignore-marks leaves them out)",
+                "{} marks of a pacer in column `{}` are used as stimuli, unless others are given (--ignore-marks ignores them)",
                 times.len(),
                 self.sheet.name(at)
             ));
         }
         if others > 0 {
             self.notes.push(format!(
-                "{others} other marks in column `{}` are passed over",
+                "{others} other marks in column `{}` are ignored",
                 self.sheet.name(at)
             ));
         }
         Ok(times)
     }
 
-    /// The columns that are curves.
+    /// Returns the columns that are curves.
     pub(super) fn columns(
         &mut self,
         titles: &[Title],
@@ -207,7 +209,7 @@ impl Picked<'_> {
             .copied()
             .filter(|at| self.options.kind.is_some_and(|kind| held[*at] == Holds::Curve(kind)))
             .collect();
-        // Without a header the first column may be time, which only the clock can tell.
+        // Without a header, the first column may be time; the clock decides.
         let first_is_time = self.sheet.header.first().is_none_or(String::is_empty)
             && titles.len() > 1
             && self.options.time.is_none()
@@ -217,7 +219,7 @@ impl Picked<'_> {
             .filter(free)
             .filter(|at| matches!(held[*at], Holds::Other | Holds::Contradicts(_)))
             .filter(|at| !(*at == 0 && first_is_time))
-            // The first column without a name is the number of the row.
+            // A first column without a name contains row numbers.
             .filter(|at| self.sheet.header.is_empty() || !titles[*at].name.is_empty())
             .filter(mostly)
             .collect();
@@ -226,10 +228,10 @@ impl Picked<'_> {
         }
         let passed_over = |at: &[usize], why: &str| {
             let names: Vec<String> = at.iter().map(|at| self.sheet.name(*at)).collect();
-            format!("passed over, since {why}: {} (--columns takes them)", listed(&names))
+            format!("ignored, because {why}: {} (choose them by --columns)", listed(&names))
         };
         if !known.is_empty() {
-            // Rows that are curves are called as their cells are.
+            // If the rows are curves, their names are those of cells, so any name is accepted.
             if !self.sheet.turned.is_empty() {
                 let mut all = [known, others].concat();
                 all.sort_unstable();
@@ -238,8 +240,8 @@ impl Picked<'_> {
             let (odd, others): (Vec<usize>, Vec<usize>) =
                 others.into_iter().partition(|at| matches!(held[*at], Holds::Contradicts(_)));
             for (columns, why) in [
-                (&others, "their names say nothing of a curve"),
-                (&odd, "their units are not of what their names say"),
+                (&others, "their names are not those of a curve"),
+                (&odd, "their units do not fit their names"),
             ] {
                 if !columns.is_empty() {
                     let note = passed_over(columns, why);
@@ -248,7 +250,7 @@ impl Picked<'_> {
             }
             return Ok(known);
         }
-        // Numbers of rows, places and channels.
+        // Numbers of rows, positions and channels.
         let still = |at: &usize| {
             let numbers = self.numbers(*at);
             numbers.len() > 2

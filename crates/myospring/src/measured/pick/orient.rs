@@ -1,4 +1,4 @@
-//! Which way a table lies: a table whose rows are curves is turned over.
+//! Detects tables whose rows are curves and transposes them.
 
 use super::picked::{MANY, Picked, rises};
 use crate::measured::column::{self, Holds};
@@ -8,7 +8,7 @@ use crate::measured::sheet::{Row, Sheet};
 use std::collections::BTreeSet;
 
 impl Picked<'_> {
-    /// Turns a table over whose rows are curves.
+    /// Transposes a table whose rows are curves.
     pub(super) fn orient(&mut self) {
         if self.options.layout == Some(Layout::Columns) {
             return;
@@ -16,7 +16,7 @@ impl Picked<'_> {
         let (width, rows) = (self.sheet.width(), self.sheet.rows.len());
         let first = self.sheet.rows.first().map_or(&[][..], |row| &row.fields);
         let unnamed = self.sheet.header.is_empty();
-        // Names and numbers of the curves stand before their frames.
+        // The names and numbers of the curves come before their frames.
         let text = |row: &Row, at: usize| matches!(self.sheet.cell(row, at), Cell::Text);
         let is_label = |at: usize| {
             let header = self.sheet.header.get(at).is_some_and(|name| !ends_in_number(name));
@@ -24,7 +24,7 @@ impl Picked<'_> {
             header || blank || (rows > 0 && self.sheet.rows.iter().all(|row| text(row, at)))
         };
         let labels = (0..width).take_while(|at| is_label(*at)).count();
-        // Frames or times may stand where names would.
+        // The header may contain frames or times instead of names.
         if are_frames(&self.sheet.header) || (unnamed && first.len() >= MANY && are_frames(first)) {
             self.turn(Some("frame"), labels);
         } else if unnamed
@@ -42,7 +42,7 @@ impl Picked<'_> {
             let axis = first[..labels].iter().find(is_time);
             let axis = axis.cloned().unwrap_or_else(|| "time".to_owned());
             self.notes.push(
-                "times stand in the first row, and each further row is a curve (--layout columns if not)"
+                "the first row contains times, and each further row is a curve (--layout columns if not)"
                     .to_owned(),
             );
             self.turn(Some(&axis), labels);
@@ -52,7 +52,7 @@ impl Picked<'_> {
             let down = self.sheet.rows.iter().map(|row| self.sheet.cell(row, 0));
             if rows < 2 || !rises(down) {
                 self.notes.push(format!(
-                    "{rows} rows of {width} numbers without names: each row is taken as a curve (--layout columns if not)"
+                    "{rows} rows of {width} numbers without names: each row is read as a curve (--layout columns if not)"
                 ));
                 self.turn(None, labels);
             }
@@ -77,7 +77,8 @@ fn has_digit(text: &str) -> bool {
     text.chars().any(|letter| letter.is_ascii_digit())
 }
 
-/// Whether names are numbers of frames: `frame0, frame1, ...`, or numbers alone, after at most two other columns.
+/// Whether names are frame numbers (`frame0, frame1, ...`, or numbers alone) after at most two
+/// other columns.
 fn are_frames(names: &[String]) -> bool {
     let skip = names.iter().take(2).take_while(|name| !ends_in_number(name)).count();
     let names = &names[skip..];

@@ -1,4 +1,4 @@
-//! A table of a file as it is picked apart: what all of its parts ask of it.
+//! A table while its curves are read, with the methods that all steps share.
 
 use crate::analysis::kind::Kind;
 use crate::measured::column::{self, Holds, Scale, Title};
@@ -10,22 +10,23 @@ use crate::measured::sheet::Sheet;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Columns from which on a table without names may have a curve in each row.
+/// Smallest number of columns with which each row of a table without names can be a curve.
 pub(super) const MANY: usize = 16;
 
-/// Names that an error lists.
+/// Largest number of names that an error lists.
 const LISTED: usize = 5;
 
-/// A table of a file, what is in it and what was said of it.
+/// A table of a file, with its options and the notes on it.
 pub(in crate::measured) struct Picked<'a> {
-    /// What errors call it: the file, and which sheet of it.
+    /// Its name in errors: the file, and the sheet.
     pub(super) path: &'a str,
-    /// What may tell of curves without names: the sheet, then the file.
+    /// Names that may state the kind of curves without names: that of the sheet, then that of the
+    /// file.
     pub(super) stems: Vec<String>,
     pub(super) sheet: Sheet,
     pub(super) options: &'a Options,
     pub(super) notes: Vec<String>,
-    /// Notes that many columns share, each said once.
+    /// Notes that concern many columns; each is stated once.
     pub(super) shared: BTreeSet<String>,
 }
 
@@ -48,7 +49,7 @@ pub(super) fn named(column: &Column) -> String {
     }
 }
 
-/// The first few names, and how many others there are.
+/// Lists the first few names and the number of others.
 pub(crate) fn listed(names: &[String]) -> String {
     let first: Vec<String> = names.iter().take(LISTED).map(|name| format!("`{name}`")).collect();
     match names.len().saturating_sub(LISTED) {
@@ -67,7 +68,7 @@ impl<'a> Picked<'a> {
         let mut notes = Vec::new();
         if sheet.above > 0 {
             notes.push(format!(
-                "{} lines of numbers above the line of names are left out; if they are another part of the recording, \
+                "{} lines of numbers above the line of names are ignored; if they are another part of the recording, \
                  put it into a file of its own",
                 sheet.above
             ));
@@ -75,7 +76,7 @@ impl<'a> Picked<'a> {
         Self { path, stems, sheet, options, notes, shared: BTreeSet::new() }
     }
 
-    /// The curves.
+    /// Reads the curves.
     pub(super) fn table(mut self) -> Result<Table, ReadError> {
         self.orient();
         self.check_width()?;
@@ -85,7 +86,7 @@ impl<'a> Picked<'a> {
                 self.sheet.again.iter().map(|at| self.sheet.header[*at].clone()).collect();
             let names: Vec<String> = names.into_iter().collect();
             self.notes.push(format!(
-                "several columns have one name, and are told apart by their numbers: {}",
+                "several columns share a name, so each name gets the number of its column: {}",
                 listed(&names)
             ));
         }
@@ -103,7 +104,8 @@ impl<'a> Picked<'a> {
         Ok(Table { curves, notes: self.notes })
     }
 
-    /// Refuses a number that stands beyond the last column: the columns before it may be others than their names say.
+    /// Refuses a number beyond the last column: the other fields of its row may then be in the
+    /// wrong columns.
     fn check_width(&self) -> Result<(), ReadError> {
         let Some((row, at)) = self.sheet.beyond().filter(|_| self.sheet.turned.is_empty()) else {
             return Ok(());
@@ -117,7 +119,7 @@ impl<'a> Picked<'a> {
             line: row.line,
             column: (at + 1).to_string(),
             cause: format!(
-                "\"{}\" is one field too many: {columns}; name the column, or mend the row (a decimal comma needs another \
+                "\"{}\" is one field too many: {columns}; name the column, or correct the row (a decimal comma needs another \
                  delimiter than the comma)",
                 row.fields[at]
             ),
@@ -133,7 +135,7 @@ impl<'a> Picked<'a> {
         (0..self.sheet.width()).map(|at| column::title(header(at))).collect()
     }
 
-    /// Numbers of a column, as far as there are any.
+    /// Returns the numbers of a column, without missing ones.
     pub(super) fn numbers(&self, at: usize) -> Vec<f64> {
         let cells = self.sheet.rows.iter().map(|row| self.sheet.cell(row, at));
         cells
@@ -141,7 +143,8 @@ impl<'a> Picked<'a> {
             .collect()
     }
 
-    /// What curves without a name of their own are: what was said, or what the file is called.
+    /// Returns the kind of curves without a name: the one given as an option, or the one that the
+    /// name of the sheet or file states.
     pub(super) fn kind_of_file(&self) -> Kind {
         let kind =
             |stem: &String| match column::holds(&Title { name: stem.clone(), unit: String::new() })
@@ -152,7 +155,7 @@ impl<'a> Picked<'a> {
         self.stems.iter().find_map(kind).unwrap_or(Kind::Unknown)
     }
 
-    /// The kind of a column of this title.
+    /// Returns the kind of a column with this title.
     pub(super) fn kind(&self, title: &Title) -> Kind {
         self.options.kind.unwrap_or_else(|| match column::holds(title) {
             Holds::Curve(kind) | Holds::Contradicts(kind) => kind,
@@ -160,7 +163,7 @@ impl<'a> Picked<'a> {
         })
     }
 
-    /// Kind, factor and unit of a column of this title.
+    /// Returns kind, factor and unit of a column with this title.
     pub(super) fn scale(&self, title: &Title) -> Result<Scale, ReadError> {
         let kind = self.kind(title);
         let name = if title.name.is_empty() { "?" } else { &title.name };
@@ -174,7 +177,7 @@ impl<'a> Picked<'a> {
             && own != given
         {
             return Err(self.error(format!(
-                "column `{name}` says that its unit is {own}, and --unit says {given}; leave --unit out, or mend the \
+                "column `{name}` says that its unit is {own}, and --unit says {given}; leave --unit out, or correct the \
                  header"
             )));
         }
@@ -184,7 +187,7 @@ impl<'a> Picked<'a> {
     }
 }
 
-/// Whether fields are numbers of which each is larger than the one before; the last may be empty.
+/// Whether fields are increasing numbers; the last may be empty.
 pub(super) fn rises(fields: impl Iterator<Item = Cell>) -> bool {
     let mut before = f64::NEG_INFINITY;
     let (mut count, mut ended) = (0, false);

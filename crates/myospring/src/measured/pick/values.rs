@@ -1,4 +1,4 @@
-//! The numbers of curves: fields and their times, and what they may have been meant as.
+//! Reads the numbers of curves, and decides between possible meanings of them.
 
 use super::picked::Picked;
 use crate::analysis::kind::Kind;
@@ -26,7 +26,7 @@ impl Picked<'_> {
                     line,
                     column,
                     cause: format!(
-                        "time {time} ms does not come after {before} ms; times must rise from row to row (several \
+                        "time {time} ms does not come after {before} ms; times must increase from row to row (several \
                          recordings one below the other need a file each)"
                     ),
                 });
@@ -36,7 +36,8 @@ impl Picked<'_> {
         Ok(())
     }
 
-    /// One curve from its fields and their times; a curve that ends before the table, or begins after it, is shorter.
+    /// Reads a curve from its fields and their times; it may begin later or end earlier than the
+    /// table.
     pub(super) fn curve<'r>(
         &self,
         name: String,
@@ -67,12 +68,12 @@ impl Picked<'_> {
                 (Cell::Missing, _) if values.is_empty() || self.options.skip_gaps => {}
                 (Cell::Missing, _) => {
                     gap.get_or_insert(field(format!(
-                        "\"{text}\" is no finite number; delete the row, or leave such frames out (--skip-gaps)"
+                        "\"{text}\" is not a finite number; delete the row, or leave such frames out (--skip-gaps)"
                     )));
                 }
                 (Cell::Text, _) => {
                     return Err(field(format!(
-                        "\"{text}\" is no finite number; mend or delete the row (a decimal comma needs another \
+                        "\"{text}\" is not a finite number; correct or delete the row (a decimal comma needs another \
                          delimiter than the comma)"
                     )));
                 }
@@ -95,7 +96,8 @@ impl Picked<'_> {
         })
     }
 
-    /// Values that may have been meant in two ways; `says_unit` is whether the table or the user says theirs.
+    /// Decides between two possible meanings of the values, with a note; `says_unit` is whether the
+    /// table or the user states their unit.
     pub(super) fn settle(&mut self, curve: &mut Curve, says_unit: bool) {
         let count = curve.values.len().max(1) as f64;
         let mean = curve.values.iter().sum::<f64>() / count;
@@ -108,28 +110,28 @@ impl Picked<'_> {
         match curve.kind {
             Kind::Shortening if !says_unit && most <= 1.0 => {
                 curve.values.iter_mut().for_each(|value| *value *= 100.0);
-                note("a shortening without a unit that is at most 1 is taken as a fraction (--unit % if not)".to_owned());
+                note("a shortening without a unit that is at most 1 is read as a fraction (--unit % if not)".to_owned());
             }
             Kind::NormalisedLength if mean.abs() < 0.5 => {
                 curve.values.iter_mut().for_each(|value| *value += 1.0);
                 note(
-                    "a normalised length around 0 is taken as the change from its mean, (L - mean) / mean".to_owned(),
+                    "a normalised length around 0 is read as the change from its mean, (L - mean) / mean".to_owned(),
                 );
             }
             Kind::NormalisedLength if !says_unit && mean > 20.0 => {
                 curve.values.iter_mut().for_each(|value| *value *= 0.01);
-                note("a normalised length near 100 is taken as % (--unit % says so)".to_owned());
+                note("a normalised length near 100 is read as % (state it by --unit %)".to_owned());
             }
             Kind::Length | Kind::SarcomereLength
                 if curve.unit == "um" && !says_unit && self.options.pixel_size_um.is_none() =>
             {
                 note(format!(
-                    "{} without a unit: taken as um (--unit px, with --pixel-size, if not)",
+                    "{} without a unit: read as um (--unit px, with --pixel-size, if not)",
                     curve.kind
                 ));
             }
             Kind::Unknown => note(format!(
-                "column `{}` does not say what it is: taken as a motion of arbitrary unit, whichever way it goes \
+                "column `{}` does not say what it is: read as a motion in arbitrary units, in either direction \
                  (--kind length, shortening, calcium-ratio, ... says it)",
                 curve.name
             )),
@@ -137,7 +139,7 @@ impl Picked<'_> {
         }
     }
 
-    /// The mean of curves with the same times.
+    /// Returns the mean of curves with the same times.
     pub(super) fn mean(&self, curves: &[Curve]) -> Result<Curve, ReadError> {
         let first = &curves[0];
         if let Some(other) = curves.iter().find(|curve| {
