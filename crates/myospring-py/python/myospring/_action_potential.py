@@ -1,4 +1,4 @@
-"""What a cell model does alone."""
+"""Cell models without a mesh."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from myospring import _native
 
 @dataclass(frozen=True)
 class ActionPotential:
-    """The course of a cell model without a mesh.
+    """Time course of a cell model without a mesh.
 
     Attributes
     ----------
     t_ms : ndarray of shape (samples,)
         Times, ms.
     potential : ndarray of shape (samples,)
-        The potential variable, in the model's own unit; NaN where it has none.
+        The model's potential variable, in the model's own unit; NaN if it has none.
     vm_mv : ndarray of shape (samples,) or None
-        Membrane potential, mV, where the model defines it.
+        Membrane potential, mV; None if the model does not define it.
     tension : ndarray of shape (samples,)
-        Active tension as the model has it: relative, or in kPa.
+        Active tension in the model's own unit: relative, or kPa.
     states : dict of str to ndarray of shape (samples,)
-        Every state variable and what the model tells besides.
+        Every state variable and the model's further outputs.
     metrics : dict of str to float
-        Numbers of the last action potential; NaN where the course does not show one.
+        Metrics of the last action potential; NaN if the time course does not show one.
     units : dict of str to str
-        Their units.
+        Units of the metrics.
     metrics_by_beat : list of dict of str to float
-        Numbers of each action potential.
+        Metrics of each action potential.
     """
 
     t_ms: NDArray[np.float64]
@@ -45,12 +45,12 @@ class ActionPotential:
     metrics_by_beat: list[dict[str, float]]
 
     def to_dataframe(self) -> Any:
-        """The course as a table.
+        """Returns the time course as a table.
 
         Returns
         -------
         pandas.DataFrame
-            A row for each sample.
+            One row per sample.
         """
         import pandas
 
@@ -61,7 +61,7 @@ class ActionPotential:
 
 
 def followed(given: dict[str, Any]) -> ActionPotential:
-    """The course of a cell model."""
+    """Returns the time course of a cell model."""
     columns, beats = _native.action_potential(given)
     states = dict(columns)
     by_beat = [

@@ -17,7 +17,7 @@ from myospring import _native
 from myospring._errors import UnknownNameError, warn
 from myospring._fit import Curve, Reading
 
-# Metrics that a notebook shows, as far as a curve has them.
+# Metrics that a notebook shows, if the curve has them.
 _SHOWN = 12
 
 
@@ -30,14 +30,14 @@ class MeasuredBeat:
     number : int
         From 1.
     state : str
-        ``"whole"``, ``"cut-at-start"``, ``"cut-at-end"``, ``"disturbed"``, ``"interrupted"`` or ``"missed"``. Means are
-        over whole beats, and over what those cut at the end still show.
+        ``"whole"``, ``"cut-at-start"``, ``"cut-at-end"``, ``"disturbed"``, ``"interrupted"`` or ``"missed"``. Means
+        include whole beats, and those metrics that beats cut at the end still show.
     stimulus_ms, onset_ms : float or None
-        Its stimulus, and when the curve leaves its rest.
+        Time of its stimulus, and time at which the curve leaves rest.
     metrics : dict of str to float
-        Its metrics; NaN where the curve does not show one.
+        Its metrics; NaN if the curve does not show one.
     remarks : list of str
-        What is odd about it.
+        Anything unusual about the beat.
     """
 
     number: int
@@ -55,21 +55,22 @@ class AnalysedCurve:
     Attributes
     ----------
     file, name : str
-        Its file, empty of arrays, and its column.
+        Its file (empty for arrays) and its column.
     kind, unit : str
-        What its values are, and their unit.
+        Kind of its values, and their unit.
     t_ms, values : ndarray of shape (frames,)
         The curve.
     metrics, standard_deviations : dict of str to float
-        Mean of each metric over the beats that count, and how much they differ; NaN where no beat shows it, or one.
+        Mean and standard deviation of each metric over the beats that count; NaN if no beat, or for the latter only
+        one, shows it.
     units : dict of str to str
         Units of the metrics.
     beats : list of MeasuredBeat
         In order.
     remarks : list of str
-        What is odd about the curve.
+        Anything unusual about the curve.
     treatment : dict
-        What was done to the curve before it was read: baseline, drift, smoothing, frames that were left out.
+        Processing of the curve before its metrics were read: baseline, drift, smoothing, ignored frames.
     error : str or None
         Why no beat was found.
     """
@@ -99,14 +100,14 @@ class AnalysedCurve:
 
 
 class Analysis(Mapping[str, AnalysedCurve]):
-    """Measured curves with their beats, by their titles. `analyse` makes one.
+    """Measured curves with their beats, by title; the result of `analyse`.
 
     Attributes
     ----------
     curves : list of AnalysedCurve
-        In the order of the files.
+        Curves in the order of the files.
     notes : list of str
-        What was found and assumed when the files were read.
+        What was detected and assumed when the files were read.
     """
 
     def __init__(self, native: _native.Analysis) -> None:
@@ -117,7 +118,7 @@ class Analysis(Mapping[str, AnalysedCurve]):
 
     @property
     def warnings(self) -> list[str]:
-        """What a person should look at before the numbers are used."""
+        """Warnings to read before the numbers are used."""
         return self._native.warnings
 
     def __getitem__(self, title: str) -> AnalysedCurve:
@@ -134,12 +135,12 @@ class Analysis(Mapping[str, AnalysedCurve]):
         return len(self.curves)
 
     def to_dataframe(self) -> Any:
-        """Every beat of every curve as a table; it needs pandas.
+        """Returns every beat of every curve as a table; needs pandas.
 
         Returns
         -------
         pandas.DataFrame
-            A row for each beat: ``file``, ``curve``, ``kind``, ``beat``, ``state``, ``stimulus_ms``, ``onset_ms``, then
+            One row per beat: ``file``, ``curve``, ``kind``, ``beat``, ``state``, ``stimulus_ms``, ``onset_ms``, then
             the metrics.
         """
         import pandas
@@ -161,15 +162,16 @@ class Analysis(Mapping[str, AnalysedCurve]):
         return pandas.DataFrame(rows)
 
     def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
-        """Writes what ``myospring analyse`` writes: ``metrics.csv``, ``summary.csv``, ``summary.json``, figures, report.
+        """Writes the files of ``myospring analyse``: ``metrics.csv``, ``summary.csv``, ``summary.json``, figures,
+        report.
 
         Parameters
         ----------
         folder : path
-            Made if it is not there.
+            Created if it does not exist.
         force : bool
-            Replaces results that the folder holds. Refused where it holds anything that no command wrote, or that was
-            changed since; a file that was read is never replaced.
+            Whether to replace results in the folder. Refused if the folder contains files that no command wrote, or
+            files changed since; an input file is never replaced.
 
         Returns
         -------
@@ -179,7 +181,7 @@ class Analysis(Mapping[str, AnalysedCurve]):
         Raises
         ------
         OSError
-            The folder holds files, or cannot be written to.
+            The folder contains files, or cannot be written to.
         """
         saved, said = self._native.save(os.fspath(folder), force)
         warn(said)
@@ -266,33 +268,33 @@ def analyse(
     skip_gaps: bool = False,
     progress: Callable[[str, int, int], object] | None = None,
 ) -> Analysis:
-    """Finds the beats of measured curves and reads every metric, beat by beat: what ``myospring analyse`` does.
+    """Finds the beats of measured curves and returns every metric of every beat, as ``myospring analyse`` does.
 
     Parameters
     ----------
     curves : path, paths, two arrays, or a mapping of names to two arrays
-        Tables of curves as the laboratory's program exports them, or folders of them; or times in ms and values.
+        Tables of curves as laboratory programs export them, or folders of such tables; or times in ms and values.
     stimulus_times_ms : sequence of float
-        When stimuli fell, on the clock of the curve; without any, those that a file has marks of.
+        Times of stimuli on the clock of the curve; if empty, the marks of a pacer in the file.
     stimulus_period_ms, stimulus_start_ms : float or None
-        Stimuli at regular intervals instead, and the first of them; None: the first frame.
+        Interval of regular stimuli instead, and time of the first one; None: the first frame.
     smoothing_ms : float or None
-        Half of the window of local parabolas, 0 for none; None chooses it by the noise.
+        Half width of the window of local parabolas, 0 for no smoothing; None chooses it by the noise.
     keep_drift : bool
-        Leaves the drift of the baseline in.
+        Whether to keep the drift of the baseline.
     columns, sheets : sequence of str
-        Columns that are curves, and sheets of a workbook, by name or by number from 1; empty: all that are known.
+        Columns that are curves, and sheets of a workbook, by name or by number from 1; empty: all recognised ones.
     time, kind, unit, time_unit : str or None
-        Column of times, what the values are (``"length"``, ``"sarcomere-length"``, ``"calcium"``, ...) and their unit,
-        and the unit of the times; None: what the table says, of arrays a length in um.
+        Column of times, kind of the values (``"length"``, ``"sarcomere-length"``, ``"calcium"``, ...) and their unit,
+        and the unit of the times; None: what the table states, and for arrays a length in um.
     frame_rate_per_s, pixel_size_um : float or None
-        Frames a second, where there are no times; size of a pixel, where lengths are in pixels.
+        Frame rate in frames per second, for tables without times; pixel size in um, for lengths in pixels.
     from_ms, until_ms : float or None
-        The part of the recording that counts.
+        Start and end of the part of the recording to use, ms.
     ignore_marks, mean, skip_gaps : bool
-        Leaves out a pacer's marks; takes the mean of all columns; leaves out frames without a number.
+        Whether to ignore the marks of a pacer; to use the mean of all columns; to skip frames without a number.
     progress : callable or None
-        Hears the stage, how many of its steps are done, and how many there are.
+        Called with the stage, the number of finished steps of it, and the number of all its steps.
 
     Returns
     -------
@@ -302,7 +304,7 @@ def analyse(
     Raises
     ------
     ValueError
-        Curves none of which has a beat, or that cannot be read.
+        No curve has a beat, or a curve cannot be read.
     OSError
         A file that cannot be read.
 

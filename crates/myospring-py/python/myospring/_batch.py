@@ -1,4 +1,4 @@
-"""Many beats: a matrix of parameters in, a matrix of metrics out."""
+"""Many runs: from a matrix of parameters to a matrix of metrics."""
 
 from __future__ import annotations
 
@@ -50,47 +50,47 @@ def simulate_batch(
     return_reasons: bool = False,
     **settings: Any,
 ) -> NDArray[np.float64] | tuple[NDArray[np.float64], list[str | None]]:
-    """Beats a cell once for each row of a matrix.
+    """Simulates a cell once for each row of a matrix.
 
-    The mesh follows the tension along its equilibria (``integrator="quasi-static"``), and a minimal cell model goes in
-    adaptive steps (``cell_integrator="adaptive"``), unless other methods are given: fixed steps would take most of a
-    member's time and change its numbers by less than their own error. Members that differ in the cell model alone share the mechanics. The numbers of a member do not depend on
-    the others, on their order or on the number of threads, to the last bit.
+    The mesh follows the tension along its equilibria (``integrator="quasi-static"``), and minimal cell models are
+    integrated with adaptive steps (``cell_integrator="adaptive"``), unless other methods are given: fixed steps would
+    take most of a member's time and change its metrics by less than their own error. Members that differ only in the
+    cell model share the mechanics. The metrics of a member do not depend, to the last bit, on the other members, their
+    order or the number of threads.
 
     Parameters
     ----------
     params : array_like of shape (N, K)
-        A member in each row.
+        One member per row.
     names : sequence of K str
-        What the columns are: settings of `simulate` or of a built-in cell that are numbers, such as
+        Names of the columns: settings of `simulate` or of a built-in cell that are numbers, such as
         ``peak_tension_kpa``, or parameters of the cell model, such as ``tau_si``. Settings may be named as in a study,
         without the unit: ``peak_tension``.
     cell : Cell or None
-        The cell; None takes the built-in one.
+        The cell; None: the built-in one.
     metrics : sequence of M str or None
-        Which numbers, of `METRICS`; None takes all. Of several beats it is their mean.
+        Names of `METRICS`; None: all. For several beats, the mean.
     threads : int or None
-        Members at a time; None takes as many as there are cores.
+        Number of members computed at a time; None: the number of cores.
     return_reasons : bool
-        Whether to say why members failed.
+        Whether to return why members failed.
     **settings
-        What all members share: the settings of `simulate`, with its names, units and defaults but for the two
-        integrators.
+        Settings of all members: those of `simulate`, with its names, units and defaults except for the two integrators.
 
     Returns
     -------
     values : ndarray of shape (N, M)
-        A member in each row; a member that failed is a row of NaN.
+        One row per member; the row of a failed member is NaN.
     reasons : list of N str or None
-        Why a member failed, None of one that did not; only with ``return_reasons=True``. Without it a warning says how
-        many failed, and why the first did.
+        Why a member failed, or None; only with ``return_reasons=True``. Without it, a warning states how many members
+        failed, and why the first did.
 
     Raises
     ------
     UnknownNameError
         A column, a metric or a setting that does not exist.
     ValueError
-        A matrix that does not fit, or a shared setting that is not possible.
+        A matrix of the wrong shape, or an invalid shared setting.
     KeyboardInterrupt
         Ctrl-C, within a second.
 

@@ -1,4 +1,4 @@
-"""A run and what came of it."""
+"""A run and its results."""
 
 from __future__ import annotations
 
@@ -17,26 +17,25 @@ from myospring import _native
 from myospring._cell import Cell, cell_of
 from myospring._errors import warn
 
-# What a table in a notebook begins with.
+# First metrics of a table in a notebook.
 _SHOWN = ("peak_shortening", "time_to_peak_from_stimulus", "peak_tension", "action_potential_duration_90")
 
 
 def _fixed(array: NDArray[Any]) -> NDArray[Any]:
-    """The array, which is passed on without a copy and so must not be written to."""
+    """Returns the array as read-only, since it is passed on without a copy."""
     array.flags.writeable = False
     return array
 
 
 class Beat:
-    """A run of a cell: curves, shapes and numbers. `simulate` makes one.
+    """A run of a cell: curves, shapes and metrics; the result of `simulate`.
 
-    Arrays are made once, without a copy of what the library hands over, and cannot be written to. A beat can be
-    pickled.
+    Arrays are created once, without copying, and are read-only. A beat can be pickled.
 
     Attributes
     ----------
     cell : Cell
-        The cell that beat.
+        The simulated cell.
     """
 
     def __init__(self, cell: Cell, native: _native.Beat) -> None:
@@ -53,12 +52,12 @@ class Beat:
 
     @cached_property
     def u(self) -> NDArray[np.float64]:
-        """The cell model's potential variable, of shape (samples,); NaN where it has none."""
+        """The cell model's potential variable, of shape (samples,); NaN if it has none."""
         return self._column("u")
 
     @cached_property
     def vm_mv(self) -> NDArray[np.float64] | None:
-        """Membrane potential, mV, of shape (samples,); None where the model does not define it."""
+        """Membrane potential, mV, of shape (samples,); None if the model does not define it."""
         return self._column("vm_mv") if "vm_mv" in self._native.columns else None
 
     @cached_property
@@ -93,7 +92,7 @@ class Beat:
 
     @cached_property
     def positions(self) -> NDArray[np.float64]:
-        """The masses in each recorded shape, um, of shape (frames, nodes, 2)."""
+        """Positions of the masses in each recorded shape, um, of shape (frames, nodes, 2)."""
         return _fixed(self._native.positions)
 
     @cached_property
@@ -108,9 +107,9 @@ class Beat:
 
     @cached_property
     def metrics(self) -> dict[str, float]:
-        """Numbers by name, of several beats their mean; NaN where the curves do not show one.
+        """Metrics by name, for several beats their means; NaN if the curves do not show one.
 
-        `units` has the units, and `missing` says why a number is NaN.
+        `units` has the units, and `missing` the reasons for NaN.
         """
         return {name: np.nan if value is None else value for name, value, _ in self._native.metrics}
 
@@ -121,12 +120,12 @@ class Beat:
 
     @cached_property
     def missing(self) -> dict[str, str]:
-        """Why a metric is NaN, by its name; empty where all have a value."""
+        """Reason for each metric that is NaN, by name; empty if all have a value."""
         return dict(self._native.missing)
 
     @cached_property
     def metrics_by_beat(self) -> list[dict[str, float]]:
-        """The numbers of each beat of a run with several stimuli; all NaN where a stimulus was not captured."""
+        """Metrics of each beat of a run with several stimuli; all NaN if the stimulus was not captured."""
         return [
             {name: np.nan if value is None else value for name, value in beat}
             for beat in self._native.metrics_by_beat
@@ -134,9 +133,9 @@ class Beat:
 
     @property
     def rhythm(self) -> dict[str, Any]:
-        """How the beats follow their stimuli.
+        """Response of the beats to the stimuli.
 
-        ``stimuli``: how many there are, without an S2; ``not_captured``: numbers, from 1, of those that raised no action
+        ``stimuli``: their number, without an S2; ``not_captured``: the numbers, from 1, of those that raised no action
         potential; ``capture_ratio`` and ``alternans``: a sentence each, or None.
         """
         return dict(zip(("stimuli", "not_captured", "capture_ratio", "alternans"), self._native.rhythm))
@@ -148,12 +147,12 @@ class Beat:
 
     @property
     def warnings(self) -> list[str]:
-        """What a person should look at."""
+        """Warnings for the user."""
         return self._native.warnings
 
     @property
     def about_model(self) -> str | None:
-        """What is known of the cell model and seen in this beat, in a sentence; None where nothing is."""
+        """Known behaviour of the cell model that this beat shows, in a sentence; None if there is none."""
         return self._native.about_model
 
     @property
@@ -167,24 +166,24 @@ class Beat:
         return self._native.run_file
 
     def to_dataframe(self) -> Any:
-        """The curves as a table; it needs pandas.
+        """Returns the curves as a table; needs pandas.
 
         Returns
         -------
         pandas.DataFrame
-            A row for each sample; the columns are named as the arrays are.
+            One row per sample; the columns have the names of the arrays.
         """
         import pandas
 
         return pandas.DataFrame({name: self._native.column(name) for name in self._native.columns})
 
     def plot(self, axes: Any = None) -> Any:
-        """Draws potential, tension and shortening over time; it needs matplotlib.
+        """Draws potential, tension and shortening over time; needs matplotlib.
 
         Parameters
         ----------
         axes : sequence of three matplotlib axes, or None
-            Where to draw; None makes a figure.
+            Axes to draw on; None creates a figure.
 
         Returns
         -------
@@ -215,17 +214,17 @@ class Beat:
         force: bool = False,
         outputs: Sequence[str] | str | None = None,
     ) -> Path:
-        """Writes what ``myospring run`` writes: curves, numbers, report, figures.
+        """Writes the files of ``myospring run``: curves, metrics, report, figures.
 
         Parameters
         ----------
         folder : path
-            Made if it is not there.
+            Created if it does not exist.
         force : bool
-            Replaces results that the folder holds. Refused where it holds anything that no command wrote, or that was
-            changed since; a file that the beat was made from is never replaced.
+            Whether to replace results in the folder. Refused if the folder contains files that no command wrote, or
+            files changed since; an input file of the beat is never replaced.
         outputs : sequence of str, str or None
-            What to write beside curves and numbers, the words of ``myospring run --outputs``; None writes report and
+            What to write besides curves and metrics, with the words of ``myospring run --outputs``; None: report and
             figures.
 
         Returns
@@ -236,9 +235,9 @@ class Beat:
         Raises
         ------
         UnknownNameError
-            A word that names no output.
+            An unknown word.
         OSError
-            The folder holds files, or cannot be written to.
+            The folder contains files, or cannot be written to.
         """
         words = outputs.split(",") if isinstance(outputs, str) else None if outputs is None else list(outputs)
         saved, said = self._native.save(os.fspath(folder), force, words)
@@ -271,19 +270,19 @@ class Beat:
         return cls(Cell(cell), beat)
 
     def animate(self) -> Page:
-        """The beating cell with its curves as a page that needs nothing else, for a notebook.
+        """Returns the beating cell with its curves as a self-contained page for notebooks.
 
         Returns
         -------
         Page
-            What a notebook shows; ``str`` of it is the text of the page.
+            The page, which notebooks show; ``str`` returns its HTML.
         """
         with tempfile.TemporaryDirectory() as folder:
             page = (self.save(Path(folder) / "beat", outputs=["report"]) / "report.html").read_text(encoding="utf-8")
         return Page(page, self.cell.name)
 
     def _facts(self) -> str:
-        """Cell model, the tension that it reached, and how long it ran."""
+        """Returns the cell model, its peak tension and the duration of the run."""
         model, duration = self._native.facts
         tension = self.metrics.get("peak_tension", np.nan)
         return f"{model}, up to {tension:.3g} kPa, {duration:g} ms"
@@ -316,12 +315,12 @@ class Beat:
 
 
 class Page:
-    """A page that needs nothing else; a notebook shows it.
+    """A self-contained HTML page; notebooks show it.
 
     Attributes
     ----------
     text : str
-        The page, HTML.
+        HTML of the page.
     """
 
     def __init__(self, text: str, title: str) -> None:
@@ -332,7 +331,7 @@ class Page:
         return self.text
 
     def _repr_html_(self) -> str:
-        # As high as what it holds at this width, so that nothing is cut.
+        # The height fits the content at this width, so that nothing is cut.
         fit = (
             "const f=this;let w=0;new ResizeObserver(()=>{if(f.clientWidth!==w){w=f.clientWidth;f.style.height='900px';"
             "f.style.height=f.contentDocument.body.scrollHeight+'px'}}).observe(f)"
@@ -353,9 +352,9 @@ class SimulationError(RuntimeError):
     Attributes
     ----------
     time_ms : float or None
-        When, on the run's clock; None where a cell model failed that does not tell.
+        Time of the stop on the run's clock; None if a cell model failed without stating a time.
     beat : Beat
-        What was computed up to there.
+        Results up to the stop.
     """
 
     def __init__(self, message: str, time_ms: float | None, beat: Beat) -> None:
@@ -368,14 +367,14 @@ class SimulationError(RuntimeError):
 
 
 def run(cell: Cell | None, given: dict[str, Any], threads: int | None) -> Beat:
-    """A beat of a cell, or the error that it stopped with."""
+    """Returns the beat of a cell, or raises the error that stopped it."""
     cell = cell_of(cell)
     return ended(Beat(cell, _native.simulate(cell._native, given, threads)))
 
 
 def ended(beat: Beat) -> Beat:
-    """A beat that came to its end, with its warnings said, or the error that it stopped with."""
-    # Those of the cell were said when it was made.
+    """Returns a finished beat after issuing its warnings, or raises the error that stopped it."""
+    # The warnings of the cell were issued when it was created.
     warn(text for text in beat.warnings if text not in beat.cell.warnings)
     if beat.stopped is not None:
         message, time_ms = beat.stopped

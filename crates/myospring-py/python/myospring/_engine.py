@@ -1,4 +1,4 @@
-"""Members, of a study or cells to be fitted, on somebody else's executor: batches go out, rows come back."""
+"""Runs members (of a study, or cells to fit) on an executor of the user: submits batches and collects rows."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ from numpy.typing import NDArray
 
 from myospring import _native
 
-# What a batch of a study comes back as: numbers of members, metrics (n, M), why one has none, curves (n, L), seconds.
+# Result of a batch of a study: numbers of members, metrics (n, M), why one has none, curves (n, L), seconds.
 Rows = tuple[NDArray[np.uint64], NDArray[np.float64], list[str | None], NDArray[np.float32], float]
-# What any batch comes back as: numbers of members first, seconds of work last.
+# Result of any batch: numbers of members first, seconds of work last.
 Answer = tuple[Any, ...]
 
-# The first batches, before it is known what a member takes.
+# Size of the first batches, before the time of a member is known.
 FIRST = {"cell": 128, "beat": 4, "fit": 1}
-# Cells go side by side in lanes, which are best filled.
+# Cells are integrated together in lanes, which should be filled.
 LANES = {"cell": 16, "beat": 1, "fit": 1}
-# A batch is bounded, however quick its members are.
+# Largest batch, however fast its members are.
 LARGEST = 1_000_000
-# How often signals, workers and the clock are looked at, s.
+# Interval at which signals, workers and the clock are checked, s.
 SOON = 0.1
 WORKERS_EVERY = 5.0
-# After so many batches in a row whose workers died it is not the members that are to blame.
+# After this many consecutive batches whose workers died, the cause is not the members.
 HOPELESS = 3
 
 _made: OrderedDict[str, _native.Members] = OrderedDict()
@@ -48,7 +48,7 @@ _making = threading.Lock()
 
 
 def work(key: str, head: bytes, numbers: NDArray[np.uint64], values: NDArray[np.float64], threads: int, _try: int) -> Rows:
-    """The rows of a batch, in a worker; what its members share is made once in a process."""
+    """Returns the rows of a batch, in a worker; what its members share is created once per process."""
     with _making:
         members = _made.pop(key, None) or _native.Members(head)
         _made[key] = members
@@ -58,38 +58,38 @@ def work(key: str, head: bytes, numbers: NDArray[np.uint64], values: NDArray[np.
 
 
 def _aligned(array: NDArray[Any]) -> NDArray[Any]:
-    """An array that may lie anywhere in a message, in a place of its own if need be."""
+    """Returns an aligned array from any position in a message, copied if necessary."""
     return np.require(array, requirements=["C_CONTIGUOUS", "ALIGNED"])
 
 
 class Tasks(Protocol):
-    """Members, and what is done with them."""
+    """Members and the work on them."""
 
     @property
     def kind(self) -> str:
-        """What a member is: a key of `FIRST`."""
+        """Kind of the members: a key of `FIRST`."""
 
     @property
     def size(self) -> int:
-        """How many there are, those included that are done."""
+        """Number of members, including finished ones."""
 
     def left(self) -> NDArray[np.uint64]:
-        """Numbers of those that are not done."""
+        """Numbers of the members that are not finished."""
 
     def work(self, numbers: NDArray[np.uint64]) -> Answer:
-        """Works on some on this thread."""
+        """Computes some members on this thread."""
 
     def stop(self) -> None:
-        """Ends that soon."""
+        """Asks that work to stop soon."""
 
     def call(self, numbers: NDArray[np.uint64], threads: int, tries: int) -> tuple[Any, ...]:
-        """What a worker is to call for some, and with what."""
+        """Returns the function, with arguments, by which a worker computes some members."""
 
     def take(self, answer: Answer) -> None:
-        """Notes what came back."""
+        """Records a result."""
 
     def lose(self, numbers: NDArray[np.uint64], reason: str) -> None:
-        """Notes what did not."""
+        """Records members without a result."""
 
 
 class StudyTasks:
@@ -115,18 +115,18 @@ class StudyTasks:
 
 @dataclass(eq=False)
 class Batch:
-    """Members that are worked on together."""
+    """Members that are computed together."""
 
     numbers: NDArray[np.uint64]
-    # How often its worker died, and whether it may be to blame for what became of others.
+    # Number of times its worker died, and whether it may be the cause of other losses.
     deaths: int = 0
     alone: bool = False
-    # Tasks of one batch must not be taken for the same by an engine that remembers answers.
+    # Makes each task unique, since some executors reuse the results of equal tasks.
     tries: int = 0
 
 
 class Pace:
-    """How many members take as long as a batch is to take."""
+    """Chooses the size of batches by the time that members take."""
 
     def __init__(self, kind: str, seconds: float) -> None:
         self._kind = kind
@@ -134,31 +134,31 @@ class Pace:
         self._members, self._took = 0, 0.0
 
     def seen(self, members: int, seconds: float) -> None:
-        """Some members took so long."""
+        """Records the time that some members took."""
         self._members += members
         self._took += seconds
 
     def size(self, left: int, workers: int) -> int:
-        """How many of those that are left come next."""
+        """Returns how many of the remaining members form the next batch."""
         lanes = LANES[self._kind]
         if self._took > 0:
             size = min(LARGEST, int(self._seconds * self._members / self._took))
         else:
             size = FIRST[self._kind]
-        # The last ones are shared out, so that all workers end at about the same time.
+        # The last members are divided, so that all workers end at about the same time.
         size = min(size, -(-left // (2 * workers)))
         return min(left, max(lanes, size - size % lanes))
 
 
 def died(error: BaseException) -> bool:
-    """Whether an error says that a worker is gone, and nothing of what it worked on."""
+    """Whether an error means that a worker died, independent of its task."""
     names = {kind.__name__ for kind in type(error).__mro__}
     gone = {"KilledWorker", "CommClosedError", "FutureCancelledError"}
     return isinstance(error, (BrokenExecutor, CancelledError, ConnectionError)) or bool(names & gone)
 
 
 class Pool:
-    """An executor, and another one of its kind where it breaks."""
+    """An executor, replaced by another of its kind if it breaks."""
 
     def __init__(self, executor: Executor | Callable[[], Executor]) -> None:
         self._make = None if isinstance(executor, Executor) else executor
@@ -170,7 +170,7 @@ class Pool:
         self._workers, self._looked = 1, -np.inf
 
     def workers(self) -> int:
-        """Batches that are worked on at a time; of an engine that grows, now."""
+        """Number of batches computed at a time; for an executor that grows, the current number."""
         if time.monotonic() - self._looked < WORKERS_EVERY:
             return self._workers
         self._looked = time.monotonic()
@@ -184,12 +184,12 @@ class Pool:
         return self._workers
 
     def renew(self, error: BaseException) -> None:
-        """Takes the place of an executor that broke."""
+        """Replaces an executor that broke."""
         broken = self.executor
         if self._make is not None:
             self.executor = self._make()
         elif type(broken) is ProcessPoolExecutor:
-            # What it was made with is kept under these names by every Python from 3.10 on.
+            # Every Python from 3.10 on keeps the arguments of an executor under these names.
             made: Any = broken
             self.executor = ProcessPoolExecutor(
                 made._max_workers, made._mp_context, made._initializer, made._initargs
@@ -204,13 +204,13 @@ class Pool:
         self._own = True
 
     def close(self, cancel: bool) -> None:
-        """Ends an executor of our own."""
+        """Shuts down an executor that this object created."""
         if self._own:
             self.executor.shutdown(wait=not cancel, cancel_futures=cancel)
 
 
 class Run:
-    """Members under way."""
+    """A run of all members."""
 
     def __init__(
         self,
@@ -234,7 +234,7 @@ class Run:
         self._shown = -np.inf
 
     def here(self, threads: int) -> None:
-        """Works on all members on threads of this process."""
+        """Computes all members on threads of this process."""
         executor = ThreadPoolExecutor(threads, thread_name_prefix="myospring")
         pool = Pool(executor)
 
@@ -244,7 +244,7 @@ class Run:
         try:
             self._loop(pool, submit)
         except BaseException:
-            # Those under way end at once, and what they have done is kept.
+            # Running members end at once, and finished ones are kept.
             self._tasks.stop()
             executor.shutdown(wait=True, cancel_futures=True)
             self._keep()
@@ -252,7 +252,7 @@ class Run:
         executor.shutdown()
 
     def on(self, executor: Executor | Callable[[], Executor]) -> None:
-        """Works on all members on an executor."""
+        """Computes all members on an executor."""
         pool = Pool(executor)
 
         def submit(batch: Batch) -> Future[Answer]:
@@ -272,7 +272,7 @@ class Run:
         self._show(pool)
         while True:
             try:
-                # Never more than a window: an engine that is given millions of tasks at once does not get to work.
+                # Never more than a window: executors stall if they are given millions of tasks at once.
                 for batch in self._batches(pool):
                     batch.tries += 1
                     self._pending[submit(batch)] = batch
@@ -299,7 +299,7 @@ class Run:
         self._show(pool, last=True)
 
     def _batches(self, pool: Pool) -> Iterator[Batch]:
-        """What is to be submitted now."""
+        """Returns the batches to submit now."""
         while len(self._pending) < 2 * pool.workers():
             if any(batch.alone for batch in self._pending.values()):
                 return
@@ -327,7 +327,7 @@ class Run:
             self._again.append(Batch(rest, batch.deaths))
 
     def _broke(self, pool: Pool, error: BaseException) -> None:
-        """All that the executor had is lost; who is to blame is known only if it had one."""
+        """Handles a broken executor: all its batches are lost; the cause is known only if it had a single one."""
         wait(self._pending, timeout=10)
         self._keep()
         lost = list(self._pending.values())
@@ -356,7 +356,7 @@ class Run:
         self._done += len(batch.numbers)
 
     def _keep(self) -> None:
-        """Notes what is done of all that is under way."""
+        """Records all finished batches."""
         for future in [future for future in self._pending if future.done()]:
             if not future.cancelled() and future.exception() is None:
                 self._take(self._pending.pop(future), future.result())

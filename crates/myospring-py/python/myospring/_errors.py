@@ -1,4 +1,4 @@
-"""What goes wrong."""
+"""Errors and warnings."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Iterable
 class UnknownNameError(KeyError):
     """A name that does not exist: of a model, a parameter, a metric, a built-in cell.
 
-    The message says which names there are, and which may be meant.
+    The message lists the existing names and the nearest ones.
     """
 
     def __str__(self) -> str:
@@ -19,7 +19,7 @@ class UnknownNameError(KeyError):
 
 
 class MyospringWarning(RuntimeWarning):
-    """What a person should look at in a cell, a beat, a batch or a fit before they use its numbers.
+    """Something to check in a cell, a beat, a batch or a fit before its numbers are used.
 
     ``warnings.filterwarnings("ignore", category=myospring.MyospringWarning)`` hides them; the objects keep them in
     ``warnings`` or ``verdicts``.
@@ -30,7 +30,7 @@ _HERE = str(Path(__file__).parent)
 
 
 def warn(messages: Iterable[str]) -> None:
-    """Warns of each, at the line that called this package."""
+    """Issues each warning, at the line that called this package."""
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_code.co_filename.startswith(_HERE):
         frame, level = frame.f_back, level + 1

@@ -23,12 +23,12 @@ from myospring._given import changed, floats
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-# A table that was exported, or times in ms and values.
+# An exported table, or times in ms and values.
 Curve = Union[str, PathLike[str], tuple[ArrayLike, ArrayLike]]
-# Name, kind, unit, times (ms), values, and when a pacer stimulated, where the file has marks of one (ms).
+# Name, kind, unit, times (ms), values, and times of stimuli (ms) if the file has marks of a pacer.
 Read = tuple[str, str, str, NDArray[np.float64], NDArray[np.float64], list[float]]
 
-# The unit of an array of each kind; a table says its own.
+# Unit of an array of each kind; a table states its own.
 _UNITS = {"length": "um", "sarcomere-length": "um", "normalised-length": "", "shortening": "%"}
 _VERDICTS = {
     "determined": "determined",
@@ -42,23 +42,24 @@ _VERDICTS = {
 
 
 class Estimate(NamedTuple):
-    """A number that was sought.
+    """An estimated parameter.
 
     Attributes
     ----------
     value : float
         The most likely value.
     unit : str
-        Its unit; empty for a pure number.
+        Unit; empty for a pure number.
     interval : tuple of two floats or None
-        Ends of the 95 % interval by profile likelihood; None where the curve sets no end, and of a fit whose `verdict`
-        is "does-not-fit".
+        Ends of the 95 % interval by profile likelihood; None where the curve does not limit it, and for a fit whose
+        `verdict` is "does-not-fit".
     standard_deviation : float or None
-        From the curvature at the most likely value, in its unit.
+        Standard deviation from the curvature at the most likely value, in its unit.
     verdict : str
-        What the curve says of it: ``"determined"``, ``"not determined by this curve"``, or what is in between.
+        How well the curve determines it: ``"determined"``, ``"not determined by this curve"``, or an intermediate
+        verdict.
     bounds : tuple of two floats
-        Between which it was sought.
+        Bounds of the search.
     profile : list of tuples
         Value and rise of chi squared for values around the answer.
     """
@@ -74,23 +75,23 @@ class Estimate(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FittedCurve:
-    """A measured curve and what the fitted cell makes of it.
+    """A measured curve and that of the fitted cell.
 
     Attributes
     ----------
     name, unit : str
-        What it is called, and the unit of its values.
+        Name, and unit of its values.
     t_ms, measured, fitted : ndarray of shape (frames,)
-        Times, what was measured, and what the fitted cell does.
+        Times, the measured values, and those of the fitted cell.
     used : ndarray of bool, of shape (frames,)
-        Whether each frame counted; the others are single bad frames.
+        Whether each frame was used; the others are single bad frames.
     stimuli_ms : list of float
         Stimuli with the fitted delays.
     noise, residual : float
         Standard deviation of the noise of the cell at rest, and of the residuals.
     misfit, unexplained : float
-        Root mean square of the structure in the residuals, 0 where they look like noise; and the part of the curve's
-        variance that it leaves unexplained.
+        Root mean square of the structure in the residuals, 0 if they look like noise; and the share of the curve's
+        variance that this structure makes up.
     """
 
     name: str
@@ -107,18 +108,18 @@ class FittedCurve:
 
 
 class Fit:
-    """A cell fitted to its curve. `fit` makes one; it can be pickled.
+    """A cell fitted to its curve; the result of `fit`. It can be pickled.
 
     Attributes
     ----------
     cell : Cell
-        The cell whose shape it has.
+        The cell with the shape that was used.
     name : str
         Name of the curve.
     run_file : str
-        The run file (TOML) that beats like the measured cell; ``myospring run`` takes it.
+        Run file (TOML) of the fitted cell, for ``myospring run``.
     notes : list of str
-        What was taken for granted when the curve was read.
+        What was assumed when the curve was read.
     """
 
     def __init__(self, cell: Cell, name: str, text: str, run_file: str, notes: Sequence[str] = ()) -> None:
@@ -135,7 +136,7 @@ class Fit:
 
     @cached_property
     def parameters(self) -> dict[str, Estimate]:
-        """What was sought of the cell, then delays and levels, by name."""
+        """The fitted parameters of the cell, then delays and levels, by name."""
         return {
             row["name"]: Estimate(
                 value=row["value"],
@@ -151,29 +152,29 @@ class Fit:
 
     @property
     def verdict(self) -> str:
-        """Whether the cell follows its curves, to be read before any number: ``"fits"``, ``"fits-nearly"`` (the
+        """Whether the fitted cell follows its curves, to be read before any number: ``"fits"``, ``"fits-nearly"`` (the
         intervals count the misfit) or ``"does-not-fit"`` (there are no intervals)."""
         return str(self._record["verdict"])
 
     @property
     def verdicts(self) -> list[str]:
-        """What a reader must know, in order of weight."""
+        """Findings on the fit, the most important first."""
         return list(self._record["verdicts"])
 
     @property
     def reduced_chi_squared(self) -> float:
-        """Squared residuals over squared noise, by degree of freedom: about 1 where the cell can follow the curve."""
+        """Squared residuals over squared noise per degree of freedom: about 1 if the cell can follow the curve."""
         return float(self._record["reduced_chi_squared"])
 
     @cached_property
     def correlations(self) -> NDArray[np.float64] | None:
-        """Correlations of the parameters, in their order; None where one of them has no curvature."""
+        """Correlations of the parameters, in their order; None if one of them has no curvature."""
         rows = self._record["correlations"]
         return None if rows is None else np.array(rows, dtype=np.float64)
 
     @cached_property
     def curves(self) -> list[FittedCurve]:
-        """Each curve with the fitted one: the cell's own, then those under known loads."""
+        """Each curve with the fitted one: first the unloaded one, then those under known loads."""
         return [
             FittedCurve(
                 name=row["name"],
@@ -192,12 +193,12 @@ class Fit:
         ]
 
     def to_dataframe(self) -> Any:
-        """Value, unit, interval and verdict of each parameter as a table; it needs pandas.
+        """Returns value, unit, interval and verdict of each parameter as a table; needs pandas.
 
         Returns
         -------
         pandas.DataFrame
-            A row for each parameter, whose name is the index.
+            One row per parameter, indexed by its name.
         """
         import pandas
 
@@ -209,12 +210,12 @@ class Fit:
         return pandas.DataFrame(rows, columns=columns, index=pandas.Index(list(self.parameters), name="parameter"))
 
     def plot(self, axes: Any = None) -> Any:
-        """Draws measured and fitted curve, and below the residuals; it needs matplotlib. What does not fit says so.
+        """Draws the measured and fitted curve, and the residuals below; needs matplotlib. A fit that fails says so.
 
         Parameters
         ----------
         axes : sequence of two matplotlib axes, or None
-            Where to draw the first curve; None makes a figure.
+            Axes on which to draw the first curve; None creates a figure.
 
         Returns
         -------
@@ -249,12 +250,12 @@ class Fit:
         return axes
 
     def simulate(self, *, threads: int | None = None) -> Beat:
-        """Beats the fitted cell: the run of `run_file`.
+        """Simulates the fitted cell: the run of `run_file`.
 
         Parameters
         ----------
         threads : int or None
-            Threads of the beat; None takes what its mesh is worth.
+            Threads of the run; None chooses their number by the size of the mesh.
 
         Returns
         -------
@@ -292,7 +293,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class Reading:
-    """How tables are read, and what arrays are."""
+    """How tables are read, and the meaning of arrays."""
 
     columns: Sequence[str] = ()
     time: str | None = None
@@ -310,15 +311,15 @@ class Reading:
 
     @classmethod
     def among(cls, arguments: Mapping[str, Any]) -> Reading:
-        """Those arguments of a function that say how a table is read."""
+        """Returns those arguments of a function that state how a table is read."""
         return cls(**{one.name: arguments[one.name] for one in fields(cls) if one.name in arguments})
 
     def by_name(self) -> dict[str, Any]:
-        """As the part in Rust takes it."""
+        """Returns the options in the form that the Rust part expects."""
         return {**self.__dict__, "columns": list(self.columns), "sheets": list(self.sheets)}
 
     def curves(self, curve: Curve, name: str) -> tuple[list[Read], list[str]]:
-        """The curves of a table, or the one of two arrays, and what was taken for granted."""
+        """Returns the curves of a table, or the curve of two arrays, and what was assumed."""
         if isinstance(curve, (str, PathLike)):
             return _native.read_curves(os.fspath(curve), self.by_name())
         times, values = (floats(array) for array in curve)
@@ -351,7 +352,7 @@ def asked_and_given(
     stimulus_times_ms: Sequence[float] | None,
     settings: dict[str, Any],
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What is sought, and the settings of the run by key."""
+    """Returns the parameters to fit, and the settings of the run by key."""
     if starts < 1:
         raise ValueError(f"starts = {starts} is below 1")
     if starts > 10_000:
@@ -411,56 +412,56 @@ def fit(
     threads: int | None = None,
     **settings: Unpack[BeatSettings],
 ) -> Fit:
-    """Finds a cell's own parameters by its measured curve, and how sure they are: what ``myospring fit`` does.
+    """Fits a cell's own parameters to its measured curve, with confidence intervals, as ``myospring fit`` does.
 
     Parameters
     ----------
     curve : path, or times and values
-        A table of one curve, as the laboratory's program exports it; or two arrays, times in ms and values.
+        A table of one curve, as laboratory programs export it; or two arrays, times in ms and values.
     cell : Cell or None
-        The cell's shape; None takes the built-in one.
+        The cell's shape; None: the built-in one.
     free : sequence of str or None
-        What is sought beside tension over stiffness, delays and the length at rest; None: what a curve tells, ``c_0``
-        or ``k_ws``.
+        Parameters to fit besides tension over stiffness, delays and the length at rest; None: those that a curve
+        determines, ``c_0`` or ``k_ws``.
     fix : sequence of str, mapping or None
-        What is not sought of these; a mapping gives parameters of the cell model values of their own.
+        Parameters that are not fitted; a mapping gives parameters of the cell model other values.
     bounds : mapping or None
-        Where something is sought, lowest and highest value in its unit; factors of 4 either way unless given.
+        Lowest and highest value of a parameter in its unit; by default a factor of 4 in both directions.
     loaded : mapping or None
-        Curves of the same cell between two springs, such as carbon fibres, by the stiffness of each, nN/um.
+        Curves of the same cell between two springs, such as carbon fibres, by the stiffness of each spring, nN/um.
     stimulus_times_ms : sequence of float or None
-        When the cell was stimulated; None finds the beats in the curve.
+        Times at which the cell was stimulated; None finds the beats in the curve.
     starts, seed : int
-        Starts of the search, and what decides them: thresholds in the equations make local minima.
+        Number of starts of the search, and the seed of their positions: thresholds in the equations make local minima.
     columns : sequence of str
-        The column of a table with several, by name or number. Of a table with several kinds of curve, such as
-        ``track.csv``, the stretch is taken, or else the length; `Fit.notes` says so.
+        Column of a table with several curves, by name or number. In a table with several kinds of curve, such as
+        ``track.csv``, the stretch is used, or else the length; `Fit.notes` states which.
     time, time_unit : str or None
-        The column of times, and its unit, where the table does not say so.
+        Column of times and its unit, if the table does not state them.
     kind, unit : str or None
-        What the values are (``"length"``, ``"sarcomere-length"``, ``"normalised-length"``, ``"shortening"``,
-        ``"contraction"``), and their unit. None: what the table says; of arrays a length in um.
+        Kind of the values (``"length"``, ``"sarcomere-length"``, ``"normalised-length"``, ``"shortening"``,
+        ``"contraction"``) and their unit. None: what the table states, and for arrays a length in um.
     frame_rate_per_s : float or None
-        Frames a second of a table without times.
+        Frame rate of a table without times, frames per second.
     pixel_size_um : float or None
-        Size of a pixel, of lengths in pixels.
+        Pixel size in um, for lengths in pixels.
     sheets : sequence of str
-        Sheets of a workbook (.xlsx), by name or number; all unless given.
+        Sheets of a workbook (.xlsx), by name or number; by default all.
     from_ms, until_ms : float or None
-        The part of the recording that counts, ms on its own clock.
+        Start and end of the part of the recording to use, ms on its own clock.
     ignore_marks : bool
-        Leaves out the marks of a pacer in a table, which are the stimuli otherwise.
+        Whether to ignore the marks of a pacer in a table, which otherwise are the stimuli.
     mean, skip_gaps : bool
-        Takes the mean of all columns; leaves out frames without a number.
+        Whether to use the mean of all columns; whether to skip frames without a number.
     threads : int or None
-        Starts and profiles at a time; None takes as many as there are cores. It does not change the numbers.
+        Number of starts and profiles computed at a time; None: the number of cores. It does not change the results.
     **settings
-        What is known of the cell: the settings of `simulate`, with its names, units and defaults, ``model`` first.
+        Known properties of the cell: the settings of `simulate`, with its names, units and defaults, ``model`` first.
 
     Returns
     -------
     Fit
-        Parameters with their intervals, curves, and the run that beats like the cell.
+        Parameters with their intervals, curves, and the run of the fitted cell.
 
     Raises
     ------

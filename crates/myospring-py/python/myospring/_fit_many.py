@@ -1,4 +1,4 @@
-"""Cells fitted to their curves, each to its own, here or on any executor."""
+"""Fits several cells, each to its own curve, here or on any executor."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
 
 
 class Fits(Sequence[Union[Fit, None]]):
-    """Several cells fitted to their curves, in the order of the curves; None where there is no fit. `fit_many` makes one.
+    """Fits of several cells in the order of the curves, None for a cell that was not fitted; the result of `fit_many`.
 
     Attributes
     ----------
     names : list of str
         Names of the curves.
     reasons : list of str or None
-        Why a cell was not fitted; None of one that was.
+        Why a cell was not fitted, or None.
     """
 
     def __init__(self, names: list[str], fits: list[Fit | None], reasons: list[str | None]) -> None:
@@ -54,12 +54,12 @@ class Fits(Sequence[Union[Fit, None]]):
         return iter(self._fits)
 
     def to_dataframe(self) -> Any:
-        """A row for each cell; it needs pandas.
+        """Returns one row per cell; needs pandas.
 
         Returns
         -------
         pandas.DataFrame
-            Columns are each parameter with its unit, the ends of its interval and its verdict, then
+            Columns: each parameter with its unit, the ends of its interval and its verdict, then
             ``reduced_chi_squared``, ``verdict``, ``status`` and ``reason``. The name of the curve is the index.
         """
         import pandas
@@ -86,7 +86,7 @@ class Fits(Sequence[Union[Fit, None]]):
         return f"<myospring.Fits: {len(self)} cells, {failed} failed>"
 
 
-# What a worker sends back of each of its cells: a fit and its run file, or why there is none.
+# Result of a worker for each of its cells: a fit and its run file, or the reason for its failure.
 _Outcome = tuple[Union[str, None], Union[str, None], Union[str, None]]
 
 _made: OrderedDict[str, _native.Fitter] = OrderedDict()
@@ -96,7 +96,7 @@ _making = threading.Lock()
 def work(
     key: str, head: bytes, numbers: NDArray[np.uint64], curves: list[Read], asked: dict[str, Any], threads: int, _try: int
 ) -> tuple[NDArray[np.uint64], list[_Outcome], float]:
-    """The fits of some cells of one shape, in a worker; the shape's equilibria are solved once in a process."""
+    """Fits some cells of one shape, in a worker; the shape's equilibria are solved once per process."""
     begun = time.monotonic()
     with _making:
         fitter = _made.pop(key, None)
@@ -122,7 +122,7 @@ def _outcome(fitter: _native.Fitter, curve: Read, asked: dict[str, Any], threads
 
 @dataclass
 class _Tasks:
-    """Cells that are to be fitted, one a member."""
+    """Cells to fit, one per member."""
 
     heads: list[tuple[str, bytes]]
     curves: list[Read]
@@ -143,10 +143,10 @@ class _Tasks:
         return answer
 
     def stop(self) -> None:
-        """A fit is over soon."""
+        """Does nothing, since a fit ends soon."""
 
     def call(self, numbers: NDArray[np.uint64], threads: int, tries: int) -> tuple[Any, ...]:
-        # A batch is of one shape; the rest comes back as not done.
+        # The cells of a batch have one shape; others are returned as not finished.
         key, head = self.heads[int(numbers[0])]
         same = np.array([number for number in numbers if self.heads[int(number)][0] == key], dtype=np.uint64)
         curves = [self.curves[int(number)] for number in same]
@@ -189,46 +189,45 @@ def fit_many(
     progress: Callable[[int, int, float | None], None] | bool | None = None,
     **settings: Unpack[BeatSettings],
 ) -> Fits:
-    """Fits several cells, each to its own curve, here or on any executor; a cell that cannot be fitted is a row.
+    """Fits several cells, each to its own curve, here or on any executor; a cell that cannot be fitted becomes a row.
 
-    A fit hangs on its curve and its cell alone: neither batches nor workers change a bit of it, and `fit` gives the
-    same.
+    A fit depends only on its curve and its cell: batches and workers do not change it, and `fit` returns the same.
 
     Parameters
     ----------
     curves : path, sequence of paths, or mapping of name to curve
-        A table with a column for each cell, several tables, or curves by name: tables, or times in ms and values.
+        A table with one column per cell, several tables, or curves by name: tables, or times in ms and values.
     cell : Cell, sequence of Cells or None
-        The shape of all cells, or of each of them in the order of the curves; None takes the built-in one.
+        Shape of all cells, or of each cell in the order of the curves; None: the built-in one.
     executor : concurrent.futures.Executor, function that makes one, or None
-        Who works, as of `run_study`: None takes threads of this process.
+        Executor of the work, as in `run_study`; None: threads of this process.
     free, fix, bounds, stimulus_times_ms, starts, seed
-        As of `fit`, for all cells.
+        As in `fit`, for all cells.
     columns, time, kind, unit, time_unit, frame_rate_per_s, pixel_size_um, sheets, skip_gaps
-        How tables are read, as of `fit`.
+        How tables are read, as in `fit`.
     from_ms, until_ms, ignore_marks
-        The part of each recording that counts, and whether marks of a pacer do, as of `fit`.
+        The part of each recording to use, and whether to ignore marks of a pacer, as in `fit`.
     threads : int or None
-        Without an executor, cells at a time: None takes as many as there are cores. With one, threads of each cell: None
-        takes one.
+        Without an executor, number of cells fitted at a time, None: the number of cores. With one, threads per cell,
+        None: one.
     batch_seconds, tries, progress
-        As of `run_study`, for cells instead of members.
+        As in `run_study`, for cells instead of members.
     **settings
-        What is known of the cells: the settings of `simulate`.
+        Known properties of the cells: the settings of `simulate`.
 
     Returns
     -------
     Fits
-        A fit for each curve, or the reason why there is none.
+        A fit for each curve, or the reason why it failed.
 
     Raises
     ------
     UnknownNameError
         A parameter or a setting that does not exist.
     ValueError
-        A table that cannot be read, or not as many cells as curves.
+        A table that cannot be read, or different numbers of cells and curves.
     RuntimeError
-        Workers that die whatever they work on.
+        Workers that die with every task.
     KeyboardInterrupt
         Ctrl-C.
 
@@ -260,7 +259,7 @@ def fit_many(
     heads: dict[int, tuple[str, bytes]] = {}
     for one in cells:
         if id(one) not in heads:
-            # Settings that cannot be are an error here, not in each worker.
+            # Invalid settings are an error here, not in each worker.
             _native.Fitter(one._native, given)
             head = pickle.dumps((one, given))
             heads[id(one)] = (hashlib.sha256(head).hexdigest(), head)
@@ -297,7 +296,7 @@ def fit_many(
 def _all(
     reading: Reading, curves: Curve | Sequence[str | PathLike[str]] | Mapping[str, Curve]
 ) -> tuple[list[Read], list[list[str]]]:
-    """Every curve, and what was taken for granted of each."""
+    """Returns every curve, and what was assumed about each."""
     if isinstance(curves, (str, PathLike)):
         named: list[tuple[str, Curve]] = [("", curves)]
     elif isinstance(curves, Mapping):

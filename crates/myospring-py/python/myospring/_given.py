@@ -1,4 +1,4 @@
-"""From arguments to what the library reads."""
+"""Converts arguments to the input of the library."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from myospring import _native
 
 def changed(*settings: tuple[str, Any, Any]) -> dict[str, Any]:
-    """Settings by key, of triples of key, value and default: a value that is the default is left out, as in a run file."""
+    """Returns settings by key from triples of key, value and default; default values are omitted, as in a run file."""
     return {
         key: os.fspath(value) if isinstance(value, PathLike) else value
         for key, value, default in settings
@@ -21,14 +21,14 @@ def changed(*settings: tuple[str, Any, Any]) -> dict[str, Any]:
 
 
 def floats(array: ArrayLike) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """An array of numbers, in order in memory; NaN where a mask hides them."""
+    """Returns a contiguous array of numbers; masked ones are NaN."""
     values = np.ascontiguousarray(array, dtype=np.float64)
     hidden: np.ndarray[Any, np.dtype[np.bool_]] = np.ma.getmaskarray(np.ma.asanyarray(array))
     return np.where(hidden, np.nan, values) if hidden.any() else values
 
 
 def path_or_bytes(image: ArrayLike | str | PathLike[str], name: str) -> tuple[str, dict[str, bytes]]:
-    """The path of a picture, or a name that stands for its bytes."""
+    """Returns the path of a picture, or a name that represents its bytes."""
     if isinstance(image, (str, PathLike)):
         return os.fspath(image), {}
     if np.ma.is_masked(image):
@@ -37,7 +37,7 @@ def path_or_bytes(image: ArrayLike | str | PathLike[str], name: str) -> tuple[st
 
 
 def _pixels(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-    """An array in one of the types of pixels that pictures have, without loss of what can be seen."""
+    """Converts an array to a pixel type of pictures, without visible loss."""
     if array.dtype.kind == "b":
         array = array.astype(np.uint8)
     elif array.dtype.kind == "f":

@@ -1,4 +1,4 @@
-"""What there is: cell models, their parameters, metrics."""
+"""Lists of cell models, their parameters, and metrics."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class Parameter(NamedTuple):
     unit : str
         Empty for a pure number.
     minimum, maximum : float
-        What the model accepts, in `unit`.
+        Bounds that the model accepts, in `unit`.
     meaning : str
-        What it does.
+        Meaning of the parameter.
     source : str
-        Where the value comes from.
+        Source of the value.
     """
 
     value: float
@@ -33,14 +33,14 @@ class Parameter(NamedTuple):
 
 
 class Metric(NamedTuple):
-    """A number that a beat is read by.
+    """A metric of a beat.
 
     Attributes
     ----------
     unit : str
         Empty for a pure number.
     definition : str
-        The convention it is taken by.
+        Convention by which it is measured.
     """
 
     unit: str
@@ -48,7 +48,7 @@ class Metric(NamedTuple):
 
 
 def models() -> list[str]:
-    """Names of the cell models.
+    """Returns the names of the cell models.
 
     Returns
     -------
@@ -58,7 +58,7 @@ def models() -> list[str]:
 
 
 def parameters(model: str = "coelho_2021") -> dict[str, Parameter]:
-    """The parameters of a cell model, with their published values.
+    """Returns the parameters of a cell model, with their published values.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The program ``myospring``, as it is without Python."""
+"""Runs the program ``myospring``, which does not need Python."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def main() -> int:
     Returns
     -------
     int
-        The code to exit with: 0 is success.
+        Exit code: 0 is success.
     """
-    # Signals are the program's own business, not the interpreter's, which would hear of them only afterwards.
+    # The program handles signals itself; the interpreter would notice them only after its end.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return _native.main(["myospring", *sys.argv[1:]])

@@ -1,4 +1,4 @@
-"""Studies: many runs that differ in numbers, here or on any executor."""
+"""Studies: many runs with different parameter values, here or on any executor."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ROWS = "rows.csv"
 
 
 class Index(NamedTuple):
-    """A number that was estimated.
+    """An estimated index.
 
     Attributes
     ----------
@@ -39,14 +39,14 @@ class Index(NamedTuple):
 
 
 class Sobol(NamedTuple):
-    """What part of a metric's variance a parameter causes.
+    """Share of a metric's variance that a parameter causes.
 
     Attributes
     ----------
     first : Index
-        Alone.
+        Share of the parameter alone.
     total : Index
-        With all its interactions.
+        Share including all its interactions.
     """
 
     first: Index
@@ -70,7 +70,7 @@ class Morris(NamedTuple):
 
 
 class StudyResult:
-    """What came of a study. `run_study` makes one; it can be pickled."""
+    """The result of `run_study`. It can be pickled."""
 
     def __init__(self, native: _native.Study) -> None:
         self._native = native
@@ -88,12 +88,12 @@ class StudyResult:
 
     @cached_property
     def names(self) -> list[str]:
-        """What varies: the columns of `values`."""
+        """Names of the varied parameters: the columns of `values`."""
         return [name for name, _, _ in self._native.varied]
 
     @cached_property
     def metric_names(self) -> list[str]:
-        """The columns of `metrics`."""
+        """Names of the columns of `metrics`."""
         return [name for name, _, _ in self._native.metrics]
 
     @cached_property
@@ -104,34 +104,34 @@ class StudyResult:
 
     @cached_property
     def usual(self) -> dict[str, float]:
-        """Metrics of the run without any change; NaN where its curves do not show one."""
+        """Metrics of the run with unchanged parameters; NaN if its curves do not show one."""
         return {name: np.nan if value is None else value for name, _, value in self._native.metrics}
 
     @cached_property
     def values(self) -> NDArray[np.float64]:
-        """What each member was given, of shape (members, parameters)."""
+        """Parameter values of each member, of shape (members, parameters)."""
         values = self._native.values()
         values.flags.writeable = False
         return values
 
     @property
     def metrics(self) -> NDArray[np.float64]:
-        """What each member gave, of shape (members, metrics); NaN where it failed or does not show one."""
+        """Metrics of each member, of shape (members, metrics); NaN if it failed or does not show one."""
         return self._table[0]
 
     @property
     def status(self) -> list[str]:
-        """What became of each member: ``"ok"`` or ``"failed"``."""
+        """Status of each member: ``"ok"`` or ``"failed"``."""
         return self._table[1]
 
     @property
     def reasons(self) -> list[str | None]:
-        """Why a member failed; None of one that did not."""
+        """Why a member failed, or None."""
         return self._table[2]
 
     @property
     def kept(self) -> NDArray[np.bool_]:
-        """Whether a member beat and its metrics lie in every band of ``[keep]``, of shape (members,)."""
+        """Whether a member succeeded and its metrics lie within every band of ``[keep]``, of shape (members,)."""
         return self._table[3]
 
     @cached_property
@@ -144,10 +144,10 @@ class StudyResult:
 
     @cached_property
     def sensitivity(self) -> dict[str, dict[str, Sobol | Morris]]:
-        """How much each metric hangs on each parameter, what matters most first: ``sensitivity[metric][parameter]``.
+        """How much each metric depends on each parameter, the most important first: ``sensitivity[metric][parameter]``.
 
-        Empty where the sampler is none for that. Members that failed are left out with all of their base point or
-        trajectory. A metric that is the same for all members is left out.
+        Empty if the sampler is not suitable. Failed members are skipped with their whole base point or trajectory, and
+        so is a metric that is equal for all members.
         """
 
         def of(row: dict[str, Any]) -> Sobol | Morris:
@@ -162,7 +162,8 @@ class StudyResult:
 
     @cached_property
     def interactions(self) -> dict[str, dict[tuple[str, str], Index]]:
-        """What two parameters cause together beyond what each causes alone, of a sampler with ``pairs = true``."""
+        """Share that two parameters cause together beyond the shares of each alone, for a sampler with ``pairs =
+        true``."""
         return {
             one["metric"]: {(self._name(a), self._name(b)): Index(**index) for (a, b), index in one["pairs"]}
             for one in self._found
@@ -170,12 +171,12 @@ class StudyResult:
         }
 
     def to_dataframe(self) -> Any:
-        """Values, metrics, status and reason of each member as a table; it needs pandas.
+        """Returns values, metrics, status and reason of each member as a table; needs pandas.
 
         Returns
         -------
         pandas.DataFrame
-            A row for each member, whose number is the index.
+            One row per member, indexed by its number.
         """
         import pandas
 
@@ -185,12 +186,12 @@ class StudyResult:
         return pandas.DataFrame(columns, index=pandas.RangeIndex(1, self._native.size + 1, name="member"))
 
     def save(self, folder: str | PathLike[str]) -> Path:
-        """Writes what ``myospring study run`` writes: ``members.csv``, ``members.parquet``, ``study.json``, figures.
+        """Writes the files of ``myospring study run``: ``members.csv``, ``members.parquet``, ``study.json``, figures.
 
         Parameters
         ----------
         folder : path
-            Made if it is not there; files of an earlier study in it are replaced, if nobody changed them since.
+            Created if it does not exist; files of an earlier study in it are replaced if they were not changed since.
 
         Returns
         -------
@@ -200,7 +201,7 @@ class StudyResult:
         Raises
         ------
         OSError
-            The folder cannot be written to, or a file of somebody else has the name of a result.
+            The folder cannot be written to, or another file has the name of a result.
         """
         warn(self._native.save(os.fspath(folder)))
         return Path(folder)
@@ -243,7 +244,7 @@ def _restored(
 
 
 def _read(study: str | PathLike[str] | Mapping[str, Any]) -> tuple[str, str, str | None]:
-    """The text of a description, the folder of its files, and its own file if it has one."""
+    """Returns the text of a description, the folder of its files, and its own file if it has one."""
     if isinstance(study, Mapping):
         _check_finite(study, "")
         return _native.study_toml(json.dumps(study, default=_plain)), "", None
@@ -254,7 +255,7 @@ def _read(study: str | PathLike[str] | Mapping[str, Any]) -> tuple[str, str, str
 
 
 def _check_finite(value: Any, place: str) -> None:
-    """Refuses numbers that are none, with the key that has them."""
+    """Refuses numbers that are not finite, with their key."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             _check_finite(inner, f"{place}.{key}" if place else str(key))
@@ -266,7 +267,7 @@ def _check_finite(value: Any, place: str) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Numbers and arrays of NumPy, and paths, as JSON has them."""
+    """Converts numbers and arrays of NumPy, and paths, to JSON values."""
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
     if isinstance(value, PathLike):
@@ -275,7 +276,7 @@ def _plain(value: Any) -> Any:
 
 
 def _csv(rows: ArrayLike, names: Sequence[str] | None) -> bytes:
-    """A table of rows, every number to its last bit."""
+    """Returns rows as CSV, with every number to the last bit."""
     columns = getattr(rows, "columns", None)
     names = list(columns) if names is None and columns is not None else names
     matrix = floats(rows)
@@ -287,7 +288,7 @@ def _csv(rows: ArrayLike, names: Sequence[str] | None) -> bytes:
 
 
 class Bar:
-    """A line on the terminal."""
+    """A progress bar on the terminal."""
 
     def __init__(self, what: str = "members") -> None:
         self._what = what
@@ -319,60 +320,62 @@ def run_study(
     tries: int = 3,
     progress: Callable[[int, int, float | None], None] | bool | None = None,
 ) -> StudyResult:
-    """Runs a study, or goes on with it, here or on any executor.
+    """Runs or resumes a study, here or on any executor.
 
-    What a member gives hangs on its values alone: neither batches nor workers, interruptions or machines of one kind
-    change a bit of it, and ``myospring study run`` gives the same.
+    The result of a member depends only on its values: batches, workers, interruptions and machines of one kind do not
+    change a bit of it, and ``myospring study run`` returns the same.
 
     Parameters
     ----------
     study : path, str or mapping
         A description as ``myospring study init`` writes it: its file, its text (TOML), or a dict of the same tables.
-        Files that it names are looked for beside its file, else in the current folder.
+        Files that it names are searched in the folder of its file, else in the current folder.
     executor : concurrent.futures.Executor, function that makes one, or None
-        Who works: None takes threads of this process; else for instance ``client.get_executor(pure=False)`` of
+        Executor of the work; None: threads of this process; otherwise for instance ``client.get_executor(pure=False)``
+        of
         ``dask.distributed``, ``mpi4py.futures.MPIPoolExecutor()`` or ``concurrent.futures.ProcessPoolExecutor()``. A
-        function makes another executor where one breaks; of a ``ProcessPoolExecutor`` that is known without.
+        function creates another executor if one breaks; a ``ProcessPoolExecutor`` needs no function for that.
     output : path or None
-        Folder of the results, those of ``myospring study run``. What is done is kept there from the beginning, so that
-        the same call, or the program, goes on with a study that was interrupted or killed. None keeps nothing, and
-        no curves.
+        Folder of the results of ``myospring study run``. Finished members are recorded there from the start, so that
+        the same call, or the program, resumes a study that was interrupted or killed. None writes nothing, and omits
+        the curves.
     rows : array_like of shape (N, K) or None
-        Members of your own: one in each row. The description then has neither ``[parameters]`` nor ``[sampling]``.
+        Your own members, one per row. The description then has neither ``[parameters]`` nor ``[sampling]``.
     names : sequence of K str or None
-        What the columns of `rows` are; a DataFrame has them.
+        Names of the columns of `rows`; a DataFrame has them already.
     force : bool
-        Begins anew in a folder that holds results. Refused where it holds anything that no command wrote, or that was
+        Whether to start again in a folder with results. Refused if it contains files that no command wrote, or files
         changed since.
     threads : int or None
-        Without an executor, members at a time: None takes as many as there are cores. With one, threads of each batch:
-        None takes one, for as many workers as there are cores; give all cores to a single worker on a machine.
+        Without an executor, number of members computed at a time, None: the number of cores. With one, threads per
+        batch, None: one, for as many workers as there are cores; give all cores to a single worker on a machine.
     batch_seconds : float
-        How long a batch is to take, 0.5 to 30 s. Members are many where they are quick.
+        Intended duration of a batch, 0.5 to 30 s; the faster the members, the more a batch has.
     tries : int
-        How often a batch whose worker died is worked on before its members fail. Such failures are not kept in
+        Number of attempts at a batch whose worker died before its members fail. Such failures are not recorded in
         `output`, so that the same call tries again.
     progress : callable, bool or None
-        Called with the number of members that are done, of all members, and the seconds left (None as long as nothing is
-        known); True draws a bar, None does so on a terminal, False shows nothing.
+        Called with the number of finished members, of all members, and the remaining seconds (None until they can be
+        estimated); True draws a bar, None does so on a terminal, False shows nothing.
 
     Returns
     -------
     StudyResult
-        Values, metrics, status and reason of each member, and how much each metric hangs on each parameter.
+        Values, metrics, status and reason of each member, and how much each metric depends on each parameter.
 
     Raises
     ------
     ValueError
-        A description that cannot be, with its place.
+        An invalid description, with the position of the error.
     UnknownNameError
         A parameter or a metric that does not exist.
     OSError
-        An output folder that holds something else, that holds a file which the study reads, or that cannot be written to.
+        An output folder that contains other files, that contains an input file of the study, or that cannot be written
+        to.
     RuntimeError
-        Workers that die whatever they work on, or an executor that takes no more work.
+        Workers that die with every task, or an executor that accepts no more work.
     KeyboardInterrupt
-        Ctrl-C; without an executor within a second. What is done is kept.
+        Ctrl-C; without an executor within a second. Finished members are kept.
 
     Examples
     --------
@@ -415,6 +418,6 @@ def run_study(
         if output is not None:
             result.save(output)
     finally:
-        # An interpreter may hold on to an error, and with it to all of this.
+        # An interpreter may keep a reference to an error, and with it to all of this.
         native.close()
     return result

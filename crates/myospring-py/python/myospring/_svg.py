@@ -11,7 +11,7 @@ _MARGIN = 12.0
 
 
 def outline_svg(name: str, rings: Sequence[NDArray[Any]]) -> str:
-    """Draws the outline of a cell, its rings in um, with a scale bar."""
+    """Draws the outline of a cell (its rings in um) with a scale bar."""
     low, high = rings[0].min(axis=0), rings[0].max(axis=0)
     extent = high - low
     scale = min((_WIDTH - 2 * _MARGIN) / extent[0], (_WIDTH - 2 * _MARGIN) / extent[1])

@@ -1,4 +1,4 @@
-"""Fibres and sarcomeres of all that a picture shows, without an outline."""
+"""Fibres and sarcomeres of a whole picture, without an outline."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ from myospring._given import changed, path_or_bytes
 
 @dataclass(frozen=True, eq=False)
 class WholeFrame:
-    """Fibres and sarcomeres of a whole frame; `whole_frame` reads them.
+    """Fibres and sarcomeres of a whole frame; the result of `whole_frame`.
 
-    Arrays have an entry for each place, NaN where nothing was read.
+    Arrays have one entry per position, NaN where nothing was read.
 
     Attributes
     ----------
     width_um, height_um : float
         Size of the frame, um.
     pixel_size_um, spacing_um : float
-        Side of a pixel, and distance of neighbouring places, um.
+        Size of a pixel, and distance of neighbouring positions, um.
     read_pct : float
-        Part of the frame in which fibres were read, per cent.
+        Share of the frame in which fibres were read, per cent.
     mean_direction_deg : float or None
         Their mean direction, degrees counter-clockwise from x, above -90 and up to 90.
     alignment : float or None
-        How parallel they are: 1 is parallel, 0 is every direction.
+        Alignment of the fibres: 1 for parallel fibres, 0 for all directions equally.
     median_sarcomere_um, sarcomere_q1_um, sarcomere_q3_um : float or None
         Median and quartiles of the length of a sarcomere, um.
     sarcomere_doubt : str or None
         Why that length is doubtful, if it is.
     positions : ndarray of shape (places, 2)
-        Where, um; x to the right, y upward from the lower left corner.
+        Positions, um; x to the right, y upward from the lower left corner.
     direction_deg : ndarray of shape (places,)
         Direction of the fibres, degrees counter-clockwise from x.
     sarcomere_um : ndarray of shape (places,)
@@ -45,11 +45,11 @@ class WholeFrame:
     sarcomere_doubtful : ndarray of bool of shape (places,)
         Whether that length is doubtful.
     order : ndarray of shape (places,)
-        How sharply one direction and one period stand out, 0 to 1.
+        How distinct the direction and the period are, 0 to 1.
     coverage : ndarray of shape (places,)
-        Part of the neighbourhood that answered, 0 to 1.
+        Share of the neighbourhood in which fibres were found, 0 to 1.
     warnings : list of str
-        What a person should look at.
+        Warnings for the user.
     """
 
     width_um: float
@@ -89,22 +89,22 @@ def whole_frame(
     frame: int | None = None,
     z: int | str | None = None,
 ) -> WholeFrame:
-    """Fibres and sarcomeres of a sheet or a tissue, in which no single cell has an outline.
+    """Reads fibres and sarcomeres of a sheet or a tissue, in which no single cell has an outline.
 
-    What the program does with ``myospring segment --whole-frame``. Scale bars and letters are left out.
+    Does the same as ``myospring segment --whole-frame``. Scale bars and letters are ignored.
 
     Parameters
     ----------
     image : array_like of shape (rows, columns) or (rows, columns, 3), or path
-        Grey values or colours, the first row on top; or a file: PNG, TIFF or OME-TIFF.
+        Grey values or colours, with the top row first; or a file: PNG, TIFF or OME-TIFF.
     pixel_size_um : float or None
-        Side of one pixel, um. Never guessed. None: what the picture says of itself.
+        Size of a pixel, um. It is never guessed. None: the size stated in the file.
     stain : {"z-disc", "filament"} or None
-        What the picture shows: stripes across the fibre or threads along it. None: z-disc.
+        Stained structure: stripes across the fibre or filaments along it. None: z-disc.
     fibre_smoothing_um : float or None
         Scale over which directions are averaged, um. None: 3 um.
     spacing_um : float or None
-        Distance of neighbouring places, um. None: 1 um, and more for more than 20 000 places.
+        Distance of neighbouring positions, um. None: 1 um, and more if that gives more than 20 000 positions.
     channel, frame, z : int or None
         Channel, time point and slice of the picture, from 0; z also "max" or "mean".
 
@@ -115,9 +115,9 @@ def whole_frame(
     Raises
     ------
     FileNotFoundError
-        There is no such file.
+        The file does not exist.
     ValueError
-        The pixels are too coarse, or a setting is not possible.
+        The pixels are too coarse, or a setting is invalid.
 
     Examples
     --------
