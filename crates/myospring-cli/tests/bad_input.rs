@@ -90,8 +90,11 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         (picture("text.png"), &["`text.png`: this is not a picture", "PNG or TIFF"]),
         (picture("truncated.png"), &["`truncated.png`", "cannot be read", "complete?"]),
         (picture("huge.png"), &["declares 100000 x 100000 pixels", "cut out the cell"]),
-        (picture("black.png"), &["all 40 x 40 pixels have the same value, 0", "no cell to see"]),
-        (picture("white.png"), &["pixels have the same value, 255", "no cell to see"]),
+        (
+            picture("black.png"),
+            &["all 40 x 40 pixels have the same value, 0", "no cell is visible"],
+        ),
+        (picture("white.png"), &["pixels have the same value, 255", "no cell is visible"]),
         (vec!["run", "good.png"], &["does not say how large its pixels are", "--pixel-size"]),
         (
             vec!["run", "good.png", "--pixel-size", "0.27 mm"],

@@ -28,7 +28,9 @@ pub enum OutlineFileError {
         name: String,
     },
     /// A file whose name ends like one of ImageJ's, but whose content is different.
-    #[error("{name} is damaged, or not a {kind}: its first bytes differ; save it again in Fiji")]
+    #[error(
+        "{name} is damaged, or not a valid {kind}: its first bytes differ; save it again in Fiji"
+    )]
     NotOfImageJ {
         /// The file.
         name: String,

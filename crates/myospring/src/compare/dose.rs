@@ -393,9 +393,9 @@ mod tests {
         assert_eq!(factor(&doses[4], "G_Kr"), product);
         assert!((factor(&doses[3], "G_Kr") - 0.5).abs() < 1e-12);
         for (dose, expected) in [
-            ("nothing 1 uM", "`nothing 1 uM` is no dose of calcium blocker, potassium blocker"),
-            ("calcium blocker 1", "is no dose of"),
-            ("calcium blocker -1 uM", "is no dose of"),
+            ("nothing 1 uM", "`nothing 1 uM` is not a dose of calcium blocker, potassium blocker"),
+            ("calcium blocker 1", "is not a dose of"),
+            ("calcium blocker -1 uM", "is not a dose of"),
         ] {
             let text = format!("{CHANNELS_EXAMPLE}\n[[together]]\ndoses = [\"{dose}\"]\n");
             let said = read(&text).unwrap_err().to_string();

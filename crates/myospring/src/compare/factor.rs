@@ -168,7 +168,7 @@ mod tests {
             ("tau_s=1.1", "the nearest are tau_s"),
             ("peek_tension=0.5", "peak_tension"),
             ("zzz=1", "nor a setting with a number"),
-            ("beats=2", "`stimulus.beats` is a setting, but no number"),
+            ("beats=2", "`stimulus.beats` is a setting, but not a number"),
             ("rotate=2", "`shape.rotate` is 0 in this run"),
             ("u_rest=2", "`cell.parameters.u_rest` is 0 in this run"),
             ("peak_tension=0.5,cell.peak_tension=0.6", "`cell.peak_tension` has two factors"),

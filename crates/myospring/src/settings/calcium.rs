@@ -366,7 +366,10 @@ mod tests {
             let error = read(&with_a_hole(from, to), NONE).unwrap_err().to_string();
             let line = from / 2 + 2;
             assert!(error.contains(&format!("line {line}, column `calcium (uM)`")), "{error}");
-            assert!(error.contains(&format!("from {from} to {to} ms there is none")), "{error}");
+            assert!(
+                error.contains(&format!("there is no frame from {from} to {to} ms")),
+                "{error}"
+            );
         }
         for (from, to, said) in [(100, 160, 1), (30, 34, 0), (30, 38, 1), (0, 2, 0)] {
             let text = with_a_hole(from, to);

@@ -120,7 +120,7 @@ mod tests {
                 "x_um,y_um,sarcomere_um\n0.5,0.5,19\n",
                 "line 2: sarcomere_um is 19; it must be a length",
             ),
-            ("x_um,y_um,sarcomere_um\n0.5,0.5,0.8\n", "0.42 of sarcomere_reference = 1.9 um"),
+            ("x_um,y_um,sarcomere_um\n0.5,0.5,0.8\n", "0.42 times sarcomere_reference = 1.9 um"),
             ("x_um,y_um,sarcomere_um\n0.5,0.5,\n", "has 0 rows"),
             ("sarcomere_um\n1.9\n", "the mesh has 8 triangles"),
             ("length\n1.9\n", "has the header `sarcomere_um`"),

@@ -73,7 +73,10 @@ fn other_files_are_told_from_outlines() {
     for (name, kind) in [("a.roi", "ImageJ ROI"), ("a.ZIP", "RoiSet zip")] {
         for bytes in [&b"[Iout"[..], b"12,x", b"\0\0\0", b""] {
             let error = read_outlines(bytes, name, &options()).unwrap_err().to_string();
-            assert!(error.starts_with(&format!("{name} is damaged, or no {kind}")), "{error}");
+            assert!(
+                error.starts_with(&format!("{name} is damaged, or not a valid {kind}")),
+                "{error}"
+            );
         }
     }
     assert!(refused(b"{}").contains("not GeoJSON"));

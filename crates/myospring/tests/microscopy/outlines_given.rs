@@ -415,7 +415,7 @@ fn an_outline_that_crosses_itself_is_refused_with_its_name_and_place() {
     assert_eq!(
         refused(text.as_bytes()),
         "outline `eight`: the outline crosses or touches itself at (10, 5) um: its edges must go once \
-         round the cell"
+         around the cell"
     );
 }
 

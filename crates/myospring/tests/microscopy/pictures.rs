@@ -459,7 +459,7 @@ fn an_entity_bomb_and_damaged_xml_do_no_harm() {
     assert!(error(&describe(endless), &FIRST).contains("SizeZ is 999999999, outside 1 to 1000000"));
     let short = r#"<OME><Image><Pixels SizeC="1" SizeZ="3" SizeT="1"/></Image></OME>"#;
     assert!(error(&describe(short), &FIRST).starts_with(
-        "the file declares channel 0, frame 0, slice 1, but none of its 1 pages holds them"
+        "the file declares channel 0, frame 0, slice 1, but none of its 1 pages contains them"
     ));
     let set = r#"<OME UUID="urn:uuid:1"><Image><Pixels SizeC="1" SizeZ="1" SizeT="2">
         <TiffData IFD="0" FirstT="0"><UUID FileName="a.ome.tif">urn:uuid:1</UUID></TiffData>

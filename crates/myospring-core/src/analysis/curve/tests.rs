@@ -464,5 +464,5 @@ fn an_upstroke_that_the_sampling_is_too_slow_for_is_said() {
         .collect();
     let found = analyse(&times, &values, Kind::Potential, "mV", &Options::default()).unwrap();
     let said = found.remarks.join(" ");
-    assert!(said.contains("at least what is given; record at 2 kHz"), "{said}");
+    assert!(said.contains("at least the given value; record at 2 kHz"), "{said}");
 }
