@@ -53,7 +53,7 @@ def test_python_and_the_program_read_the_same_beats(table, run, tmp_path):
     run("analyse", table, "--output", "out", cwd=tmp_path)
     written = json.loads((tmp_path / "out" / "summary.json").read_text())
     (curve,) = found.curves
-    assert found["length_um"] is curve and list(found) == [curve.title] and "Analysis: 1 curves, 4 beats" in repr(found)
+    assert found["length_um"] is curve and list(found) == [curve.title] and "Analysis: 1 curve, 4 beats" in repr(found)
     for row in written["curves"][0]["metrics"]:
         assert row["mean"] == pytest.approx(curve.metrics[row["name"]], rel=1e-5, nan_ok=True)
     assert curve.metrics["peak_shortening"] == pytest.approx(8.0, abs=0.1)

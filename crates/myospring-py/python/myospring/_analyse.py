@@ -95,7 +95,7 @@ class AnalysedCurve:
         return f"{Path(self.file).name}: {self.name}" if self.file else self.name
 
     def __repr__(self) -> str:
-        found = f"{len(self.beats)} beats" if self.error is None else self.error
+        found = _count(len(self.beats), "beat") if self.error is None else self.error
         return f"<myospring.AnalysedCurve {self.title}, {self.kind}: {found}>"
 
 
@@ -189,18 +189,22 @@ class Analysis(Mapping[str, AnalysedCurve]):
 
     def __repr__(self) -> str:
         beats = sum(len(one.beats) for one in self.curves)
-        return f"<myospring.Analysis: {len(self.curves)} curves, {beats} beats>"
+        return f"<myospring.Analysis: {_count(len(self.curves), 'curve')}, {_count(beats, 'beat')}>"
 
     def _repr_html_(self) -> str:
         parts = []
         for one in self.curves[:_SHOWN]:
             rows = "".join(
                 f"<tr><td>{name.replace('_', ' ')}</td><td>{_amount(one, name)}</td></tr>"
-                for name in list(one.metrics)[:_SHOWN]
+                for name in [name for name, value in one.metrics.items() if not np.isnan(value)][:_SHOWN]
             )
             parts.append(f"<p><b>{html.escape(repr(one)[1:-1])}</b></p><table>{rows}</table>")
         warnings = "".join(f"<p>Warning: {html.escape(text)}</p>" for text in self.warnings)
         return f"<div>{''.join(parts)}{warnings}</div>"
+
+
+def _count(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _amount(curve: AnalysedCurve, name: str) -> str:
