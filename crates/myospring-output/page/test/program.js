@@ -61,6 +61,14 @@ export const fit = (name, ...args) => pageOf(name, "fit", ...args);
 export const analyse = (name, ...args) => pageOf(name, "analyse", ...args);
 
 /**
+ * Beats the cells of the pictures in a folder.
+ *
+ * @param {string} name Of the folder of results.
+ * @param {string[]} args
+ */
+export const batch = (name, ...args) => pageOf(name, "batch", ...args);
+
+/**
  * The data in a page.
  *
  * @param {string} path

@@ -2,12 +2,12 @@
 
 import assert from "node:assert/strict";
 import { createRequire } from "node:module";
-import { readFile, stat, writeFile } from "node:fs/promises";
+import { mkdir, readFile, stat, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
-import { analyse, beat, beatIn, compare, fit, folder, payloadOf } from "./program.js";
+import { analyse, batch, beat, beatIn, compare, fit, folder, payloadOf } from "./program.js";
 
 /** @import { Browser, BrowserContextOptions, Page } from "playwright-core" */
 
@@ -69,7 +69,7 @@ async function opened(path, options, work) {
       if (url !== pathToFileURL(path).href && !url.startsWith("data:")) complaints.push(`asks for ${url}`);
     });
     await page.goto(pathToFileURL(path).href);
-    await page.waitForFunction(() => document.querySelectorAll(".chart canvas").length >= 2);
+    await page.waitForFunction(() => document.querySelectorAll(".chart canvas, .gallery img").length >= 2);
     await work(page);
     assert.deepEqual(complaints, []);
   } finally {
@@ -462,23 +462,59 @@ test("what a page was given stays text", async () => {
   });
 });
 
-test("a cell from a picture beats on its picture", async () => {
-  const picture = join(folder, "cell.png");
+/**
+ * A picture of 360 x 160 pixels with striped ellipses, PNG.
+ *
+ * @param {[number, number][]} middles
+ */
+async function drawn(middles) {
   const blank = await browser.newPage();
-  const data = await blank.evaluate(() => {
+  const data = await blank.evaluate((all) => {
     const canvas = document.createElement("canvas");
     [canvas.width, canvas.height] = [360, 160];
     const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
     pen.fillStyle = "#101010";
     pen.fillRect(0, 0, 360, 160);
-    pen.fillStyle = "#c0c0c0";
-    pen.beginPath();
-    pen.ellipse(180, 80, 130, 30, 0, 0, 7);
-    pen.fill();
+    for (const [x, y] of all) {
+      pen.save();
+      pen.beginPath();
+      pen.ellipse(x, y, 130, 30, 0, 0, 7);
+      pen.clip();
+      for (let stripe = 0; stripe < 360; stripe += 2) {
+        pen.fillStyle = stripe % 4 === 0 ? "#e0e0e0" : "#909090";
+        pen.fillRect(stripe, 0, 2, 160);
+      }
+      pen.restore();
+    }
     return canvas.toDataURL("image/png").split(",")[1];
-  });
+  }, middles);
   await blank.close();
-  await writeFile(picture, Buffer.from(data, "base64"));
+  return Buffer.from(data, "base64");
+}
+
+test("a batch shows every cell, small, with its outline, and lists its numbers; nobody is shut out", async () => {
+  const dish = join(folder, "dish");
+  await mkdir(dish);
+  // The second cell of the second picture is cut by the frame.
+  await writeFile(join(dish, "a.png"), await drawn([[180, 80]]));
+  await writeFile(join(dish, "b.png"), await drawn([[180, 45], [180, 140]]));
+  const path = await batch("cells", dish, "--pixel-size", "0.5 um", "--integrator", "quasi-static", "--spacing", "4 um");
+  for (const [colorScheme, width] of /** @type {const} */ ([["light", 1400], ["dark", 390]])) {
+    await opened(path, { ...STILL, colorScheme, viewport: { width, height: 800 } }, async (page) => {
+      assert.match((await page.textContent("#answer")) ?? "", /^2 cells of 2 pictures beat, 1 left out/);
+      const small = await page.$$eval(".gallery img", (all) => all.map((it) => /** @type {HTMLImageElement} */ (it).naturalWidth));
+      assert.ok(small.length === 3 && small.every((size) => size > 50 && size <= 161), small.join());
+      assert.equal(await page.locator(".gallery .mark.out").count(), 1);
+      assert.equal(await page.locator("tbody tr").count(), 3);
+      assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width);
+      assert.deepEqual(await violationsOn(page), []);
+    });
+  }
+});
+
+test("a cell from a picture beats on its picture", async () => {
+  const picture = join(folder, "cell.png");
+  await writeFile(picture, await drawn([[180, 80]]));
   const path = await beat("picture", picture, "--pixel-size", "0.5 um", "--integrator", "quasi-static");
   await opened(path, STILL, async (page) => {
     await page.waitForSelector("#picture-choice:not([hidden])");
