@@ -1,17 +1,17 @@
-//! Exchange: where physiology and mechanics meet.
+//! Exchange between physiology and mechanics.
 //!
-//! An [`Activation`] turns time and what it feels of the mesh, stretch and rate of stretch along the fibre,
-//! into active tension. It has one site, the whole cell, or one for each triangle:
+//! An [`Activation`] computes the active tension from the time and from the stretch and rate of
+//! stretch along the fibre. It has one site, the whole cell, or one site per triangle:
 //!
 //! ```text
-//! stretch and rate, per site  ->  Activation  ->  tension in kPa, per site, and how it depends on them
+//! stretch and rate, per site  ->  Activation  ->  tension in kPa, per site, and its derivatives
 //! ```
 //!
-//! `simulation` asks it once in every exchange interval. An activation that feels nothing is asked
-//! first, and the mesh follows. Where the tension depends on the stretch that it causes, both are found
-//! together: the activation may be asked again and again from the same start ([`Activation::advance`]),
-//! and says by its [`ActivationTangent`] where to look. [`WholeCell`] is a cell model as an activation, [`ByTriangle`] has one
-//! in each triangle.
+//! `simulation` calls it in every exchange interval. If the tension does not depend on stretch, it
+//! is computed first and the mesh follows. If it depends on the stretch that it causes, both are
+//! solved together: the activation may be called repeatedly from the same state
+//! ([`Activation::advance`]), and its [`ActivationTangent`] gives the derivatives for the solver.
+//! [`WholeCell`] is one cell model for the whole cell, [`ByTriangle`] has one in each triangle.
 
 mod by_triangle;
 mod crossbridges;
@@ -23,17 +23,18 @@ pub use whole_cell::WholeCell;
 use crate::cell::Output;
 use crate::mechanics::Tension;
 
-/// Where an activation has its sites.
+/// Sites of an activation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sites {
-    /// One for the whole cell, which feels its length.
+    /// One site for the whole cell; its stretch is that of the cell's length.
     Whole,
-    /// One for each of so many triangles, which feels its triangle's fibre.
+    /// One site for each of this number of triangles; its stretch is that of the triangle along the
+    /// fibre.
     PerElement(usize),
 }
 
 impl Sites {
-    /// How many there are.
+    /// Returns the number of sites.
     pub fn count(self) -> usize {
         match self {
             Self::Whole => 1,
@@ -42,26 +43,27 @@ impl Sites {
     }
 }
 
-/// What each site feels; as many entries as there are sites.
+/// Stretch and rate of stretch at each site; one entry per site.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StretchState<'a> {
     /// Stretch along the fibre, length over resting length.
     pub stretch: &'a [f64],
-    /// Its rate, 1/ms.
+    /// Rate of stretch, 1/ms.
     pub rate: &'a [f64],
 }
 
-/// How the tension of each site depends on what it feels there; of one site for the whole cell only that it does,
-/// the lists are not read. Of triangles as many entries as there are sites, none negative: a longer site pulls at least as strongly, and so does one that is drawn out.
+/// Derivatives of the tension of each site. For triangles, one entry per site, at least 0: the
+/// tension must not decrease with stretch or rate of stretch. For a single site of the whole cell
+/// the lists are not read; that the value exists tells that the tension depends on stretch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ActivationTangent<'a> {
-    /// Derivative of the tension at the time reached with respect to the stretch felt, kPa.
+    /// Derivative of the tension at the current time with respect to stretch, kPa.
     pub per_stretch: &'a [f64],
-    /// Derivative with respect to the rate of stretch felt, kPa ms.
+    /// Derivative with respect to the rate of stretch, kPa ms.
     pub per_rate: &'a [f64],
 }
 
-/// The most that is to be expected of an activation: the time step of a motion must be stable under it.
+/// Upper bounds of an activation, for which the time step of the motion must be stable.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ActivationBounds {
     /// Tension, kPa.
@@ -72,17 +74,17 @@ pub struct ActivationBounds {
     pub per_rate: f64,
 }
 
-/// Why an activation cannot go on.
+/// Why an activation cannot continue.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{0}")]
 pub struct ActivationError(pub String);
 
-/// What makes the tension: a cell model, a measured curve, a wave.
+/// Source of the active tension: a cell model, a measured curve, a wave.
 ///
-/// It stands at the last state that was kept, at first that of 0 ms.
+/// It starts from the last state that was kept, at first that of 0 ms.
 ///
 /// # Example
-/// A tension that rises by 1 kPa in a ms, more in a longer cell:
+/// A tension that rises by 1 kPa per ms, faster in a longer cell:
 /// ```
 /// use myospring::exchange::{Activation, ActivationError, StretchState, Sites, ActivationBounds, ActivationTangent};
 /// use myospring::mechanics::Tension;
@@ -127,63 +129,65 @@ pub struct ActivationError(pub String);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Activation: Send + Sync {
-    /// Where it has its sites; the same at all times.
+    /// Returns its sites; the same at all times.
     fn sites(&self) -> Sites;
 
-    /// Moves from the state that was kept last to a time (ms), under what each site feels there: the stretch at
-    /// that time and its mean rate on the way. It may be asked again from the same start.
+    /// Advances from the last kept state to a time (ms), with the stretch at that time and its mean
+    /// rate over the interval. It may be called repeatedly from the same state.
     ///
     /// # Errors
-    /// A state that is no longer a number, a stretch that means nothing, or the like.
+    /// A state that is NaN, an impossible stretch, or similar.
     fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError>;
 
-    /// Keeps the state that it was moved to: the start of what comes next.
+    /// Keeps the current state as the start of the next interval.
     fn keep(&mut self);
 
-    /// Tension in the state that it was moved to, kPa; uniform, or one for each triangle.
+    /// Returns the tension of the current state, kPa; uniform, or one per triangle.
     fn tension(&self) -> Tension<'_>;
 
-    /// How that tension depends on what was felt; `None`, at all times, if it does not.
+    /// Returns the derivatives of that tension; `None`, at all times, if it does not depend on
+    /// stretch.
     fn tangent(&self) -> Option<ActivationTangent<'_>>;
 
-    /// The most that is to be expected.
+    /// Returns upper bounds of the tension and its derivatives.
     fn strongest(&self) -> ActivationBounds;
 
     /// Called before the first interval if the mesh is at rest at every time: what it feels then goes smoothly, so that it
     /// may be foretold. Nothing by default.
     fn at_equilibria(&mut self) {}
 
-    /// The potential variable, dimensionless, where there is one.
+    /// Returns the potential variable, dimensionless, if there is one.
     fn potential(&self) -> Option<f64> {
         None
     }
 
-    /// Membrane potential, mV, where there is one.
+    /// Returns the membrane potential, mV, if there is one.
     fn membrane_potential_mv(&self) -> Option<f64> {
         None
     }
 
-    /// When it is stimulated, ms: beats are measured from one to the next; nothing by default.
+    /// Returns the times of stimuli, ms; beats are measured from one to the next. Empty by default.
     fn stimulus_times_ms(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// When an extra stimulus, S2, comes after those of a train, ms; none by default.
+    /// Returns the time of an extra stimulus (S2) after those of a train, ms; none by default.
     fn s2_ms(&self) -> Option<f64> {
         None
     }
 
-    /// What it tells besides, such as calcium: name and unit, the same at all times; nothing by default.
+    /// Returns names and units of further outputs, such as calcium; the same at all times. Empty by
+    /// default.
     fn outputs(&self) -> Vec<Output> {
         Vec::new()
     }
 
-    /// The values of [`Activation::outputs`] now, in their order.
+    /// Returns the current values of [`Activation::outputs`], in their order.
     fn output_values(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// A copy in the same state, for another run from there.
+    /// Returns a copy in the same state, for another run.
     fn boxed(&self) -> Box<dyn Activation>;
 }
 

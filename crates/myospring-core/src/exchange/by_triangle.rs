@@ -1,4 +1,4 @@
-//! A cell model in each triangle, which feels the stretch there.
+//! A cell model in each triangle, which depends on the stretch of the triangle.
 
 use super::{
     Activation, ActivationBounds, ActivationError, ActivationTangent, Sites, StretchState,
@@ -10,18 +10,19 @@ use crate::cell::{CellModel, Input, Output};
 use crate::mechanics::Tension;
 use std::sync::Arc;
 
-/// Difference of stretch by which slopes are taken: far above rounding, and tension bends little over it.
+/// Difference of stretch for finite differences: far above rounding, and small enough for the
+/// tension to be linear over it.
 const APART: f64 = 1e-6;
-/// Times the steepest slope of a beat at resting length that is allowed for: a cell that is drawn out is stiffer.
+/// Safety factor on the steepest slope of a beat at resting length: a stretched cell is stiffer.
 const STEEPER: f64 = 2.0;
 
-/// One cell model for each triangle, each with its stimuli: content of myofibrils, oblique fibres or a wave of
-/// calcium make their stretches differ.
+/// One cell model per triangle, each with its stimuli; for cells whose stretch differs between
+/// triangles because of myofibril content, oblique fibres or a wave of calcium.
 ///
-/// All have the same equations and parameters. What is recorded of them is their mean.
+/// All have the same equations and parameters. The recording contains their mean.
 ///
 /// # Example
-/// Calcium that goes along a cell at 0.1 um/ms:
+/// A wave of calcium along a cell at 0.1 um/ms:
 /// ```
 /// use myospring::cell::land_2017::Land2017;
 /// use myospring::cell::{CellModel, pacing::Protocol};
@@ -53,7 +54,7 @@ pub struct ByTriangle {
     model: Arc<dyn CellModel>,
     kept: Vec<CellIntegrator>,
     moved: Vec<CellIntegrator>,
-    /// Where each is tried, a little longer.
+    /// Copy of each cell at a slightly larger stretch, for finite differences.
     longer: CellIntegrator,
     /// kPa per unit of the model's tension.
     scale: f64,
@@ -61,7 +62,7 @@ pub struct ByTriangle {
     per_stretch: Vec<f64>,
     per_rate: Vec<f64>,
     strongest: ActivationBounds,
-    /// What each feels of the cell at rest.
+    /// Stretch of each model in the cell at rest.
     resting_stretch: Vec<f64>,
     settings: Settings,
     stimulus_times_ms: Vec<f64>,
@@ -69,8 +70,8 @@ pub struct ByTriangle {
 }
 
 impl ByTriangle {
-    /// Cells in their initial state, one for each protocol, whose tension counts `scale` kPa per unit of the
-    /// model's.
+    /// Creates cells in their initial state, one per protocol; `scale` is in kPa per unit of the
+    /// model's tension.
     ///
     /// Beats are measured from the stimuli of the triangle that is stimulated first.
     ///
@@ -85,10 +86,10 @@ impl ByTriangle {
         Self::starting_from(model, None, protocols, settings, scale)
     }
 
-    /// As [`ByTriangle::new`], each in this state at 0 ms.
+    /// Does what [`ByTriangle::new`] does, with each cell in this state at 0 ms.
     ///
     /// # Errors
-    /// Besides, a state that is none of the model.
+    /// Those of [`ByTriangle::new`], and a state that does not fit the model.
     pub fn starting_from(
         model: Arc<dyn CellModel>,
         state: Option<&[f64]>,
@@ -127,10 +128,11 @@ impl ByTriangle {
         })
     }
 
-    /// The same whose models feel these stretches in the cell at rest, one for each triangle, and in proportion else.
+    /// Returns the same with these stretches of the models in the cell at rest, one per triangle;
+    /// all other stretches are multiplied by them.
     ///
     /// # Errors
-    /// A model that cannot beat at the longest of them.
+    /// A model that cannot beat at the largest of them.
     ///
     /// # Panics
     /// If there is not one for each triangle.
@@ -143,12 +145,12 @@ impl ByTriangle {
     }
 }
 
-/// Stretch half way through an interval: it goes evenly to its end, which is right to the second order.
+/// Returns the stretch in the middle of an interval; a linear course is accurate to second order.
 fn middle(end: f64, rate: f64, interval_ms: f64) -> f64 {
     end - 0.5 * rate * interval_ms
 }
 
-/// Moves a cell on and says its tension in kPa.
+/// Advances a cell and returns its tension in kPa.
 fn reach(
     cell: &mut CellIntegrator,
     to_ms: f64,
@@ -160,7 +162,7 @@ fn reach(
     Ok(cell.model().tension(cell.state(), &Input { stretch, stretch_rate: rate, ..Input::REST }))
 }
 
-/// Of one default beat at a stretch.
+/// Returns the bounds of one default beat at a stretch.
 fn strongest(
     model: &Arc<dyn CellModel>,
     settings: Settings,
@@ -175,7 +177,8 @@ fn strongest(
         let time = f64::from(ms) * INTERVAL_MS;
         let mut longer = cell.clone();
         let tension = reach(&mut cell, time, stretch, 0.0)?;
-        // By the stretch of the mesh, in proportion to which it feels.
+        // The derivative is with respect to the stretch of the mesh, to which the model's stretch
+        // is proportional.
         let apart = stretch * APART;
         let above = reach(&mut longer, time, stretch + apart, apart / INTERVAL_MS)?;
         most.tension = most.tension.max(scale * tension);
@@ -204,14 +207,14 @@ impl Activation for ByTriangle {
             if !feels {
                 continue;
             }
-            // A longer one has been drawn out on the way: crossbridges that follow the stretch within an
-            // interval are springs, not dashpots.
+            // The longer copy was stretched during the interval: crossbridges that follow the
+            // stretch within an interval act as springs, not dashpots.
             self.longer.clone_from(kept);
             let apart = at_rest * APART;
             let faster = if over > 0.0 { rate + apart / over } else { rate };
             let above = reach(&mut self.longer, to_ms, stretch + apart, faster).map_err(failed)?;
-            // Where it would let the cell go, or is steeper than the steps are stable for, the tangent only
-            // leads there more slowly.
+            // A slope below 0, or steeper than the time step allows, is limited: then the iteration
+            // only converges more slowly.
             let slope = self.scale * (above - tension) / APART;
             self.per_stretch[site] = slope.clamp(0.0, self.strongest.per_stretch);
         }

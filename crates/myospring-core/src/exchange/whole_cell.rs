@@ -18,7 +18,7 @@ use std::sync::Arc;
 pub struct WholeCell {
     kept: CellIntegrator,
     moved: CellIntegrator,
-    /// What it felt at the time it was moved to.
+    /// Stretch and rate at the current time.
     felt: Input,
     /// Crossbridges that are followed apart from the rest of the cell, which then goes on but once an interval.
     crossbridges: Option<Crossbridges>,
@@ -26,15 +26,15 @@ pub struct WholeCell {
     scale: f64,
     strongest: ActivationBounds,
     feels_stretch: bool,
-    /// What it feels of the cell at rest.
+    /// Stretch of the model in the cell at rest.
     resting_stretch: f64,
     stimulus_times_ms: Vec<f64>,
     s2_ms: Option<f64>,
 }
 
 impl WholeCell {
-    /// A cell in its initial state whose tension counts `scale` kPa per unit of the model's, and the most that
-    /// is to be expected of it.
+    /// Creates a cell in its initial state and computes its bounds; `scale` is in kPa per unit of
+    /// the model's tension.
     ///
     /// # Errors
     /// A protocol or settings that the model cannot follow.
@@ -48,10 +48,10 @@ impl WholeCell {
         Self::starting_from(model, None, protocol, settings, scale, strongest)
     }
 
-    /// As [`WholeCell::new`], in another state at 0 ms.
+    /// Does what [`WholeCell::new`] does, in another state at 0 ms.
     ///
     /// # Errors
-    /// Besides, a state that is none of the model.
+    /// Those of [`WholeCell::new`], and a state that does not fit the model.
     pub fn starting_from(
         model: Arc<dyn CellModel>,
         state: Option<&[f64]>,
@@ -79,7 +79,8 @@ impl WholeCell {
         })
     }
 
-    /// The same whose model feels this stretch in the cell at rest, and in proportion else.
+    /// Returns the same with this stretch of the model in the cell at rest; all other stretches are
+    /// multiplied by it.
     #[must_use]
     pub fn at_resting_stretch(self, resting_stretch: f64) -> Self {
         Self { resting_stretch, ..self }
@@ -94,7 +95,8 @@ impl WholeCell {
     }
 }
 
-/// What a cell model tells besides: its outputs, the states that are recorded, and calcium where it is not one of these.
+/// Returns the further outputs of a cell model: its outputs, recorded states, and calcium if it is
+/// not one of these.
 pub(super) fn told_by(model: &dyn CellModel) -> Vec<Output> {
     let states = model.recorded_states().iter().map(|&place| {
         let StateVariable { name, unit, meaning, .. } = model.states()[place].clone();
@@ -108,7 +110,7 @@ pub(super) fn told_by(model: &dyn CellModel) -> Vec<Output> {
     told
 }
 
-/// Their values.
+/// Returns the values of these outputs.
 pub(super) fn told(cell: &CellIntegrator, state: &[f64]) -> Vec<f64> {
     let mut values = cell.outputs();
     values.extend(cell.model().recorded_states().iter().map(|&place| state[place]));
@@ -116,7 +118,7 @@ pub(super) fn told(cell: &CellIntegrator, state: &[f64]) -> Vec<f64> {
     values
 }
 
-/// Whether a model has calcium that none of its outputs and recorded states is.
+/// Whether a model has calcium that is neither an output nor a recorded state.
 fn tells_calcium_besides(model: &dyn CellModel) -> bool {
     let is_output = || model.outputs().iter().any(|output| output.name == CALCIUM);
     let is_state = || model.recorded_states().iter().any(|&at| model.states()[at].name == CALCIUM);
@@ -139,7 +141,7 @@ impl Activation for WholeCell {
                 .map_err(failed);
         }
         self.moved.clone_from(&self.kept);
-        // The stretch goes evenly to its end: half way it is right to the second order of the interval.
+        // Stretch in the middle of the interval; a linear course is accurate to second order.
         let middle = stretch - 0.5 * rate * (to_ms - self.kept.time());
         self.moved.advance_to(to_ms, middle, rate).map_err(failed)
     }
