@@ -1,4 +1,4 @@
-"""Runs beside each other."""
+"""Comparison of runs."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ _SHOWN = ("peak_tension", "peak_shortening", "time_to_peak_from_stimulus", "rela
 
 
 class Comparison:
-    """Runs that were compared. `compare` makes one; differences are from the first run.
+    """Compared runs; the result of `compare`. Differences are from the first run.
 
     Attributes
     ----------
     labels : list of str
-        What the runs are called.
+        Names of the runs.
     metrics, differences, differences_pct : dict of str to ndarray of shape (runs,)
-        Each number, its difference from the first run's, and that in per cent; NaN where there is none.
+        Each metric, its difference from the first run, and that in per cent; NaN if a run does not show it.
     units, definitions : dict of str to str
-        Unit of each number, and how it is defined.
+        Unit and definition of each metric.
     settings : dict of str to list of str
         The settings in which the runs differ, with the value of each.
     warnings : list of str
-        What a person should look at before the numbers are compared.
+        Warnings to read before the metrics are compared.
     """
 
     def __init__(self, native: _native.Comparison) -> None:
@@ -126,7 +126,7 @@ def compare(
     threads: int | None = None,
     progress: Callable[[str, int, int], object] | None = None,
 ) -> Comparison:
-    """Compares runs: in which settings and numbers they differ; what ``myospring compare`` does.
+    """Compares the settings and metrics of runs, as ``myospring compare`` does.
 
     Parameters
     ----------
@@ -139,9 +139,9 @@ def compare(
     labels : sequence of str or None
         Names of beats among the runs, in their order; None: those of their cells.
     threads : int or None
-        Runs at a time; None: one for each core.
+        Number of runs computed at a time; None: the number of cores.
     progress : callable or None
-        Hears the stage, how many of its steps are done, and how many there are.
+        Called with the stage, the number of finished steps of it, and the number of all its steps.
 
     Returns
     -------

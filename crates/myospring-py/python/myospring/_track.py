@@ -20,10 +20,10 @@ from myospring._given import changed, path_or_bytes
 
 
 class Motion:
-    """A cell followed through a film. `track` makes one.
+    """The motion of a cell in a film; the result of `track`.
 
-    Arrays have an entry for each frame that was followed. Positions are um, y upward from the lower left corner of the
-    film, without the motion of the stage.
+    Arrays have one entry per tracked frame. Positions are in um, with y upward from the lower left corner of the film,
+    and without the motion of the stage.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Motion:
         All numbers by name, as ``track.json`` has them: rest frame, frame rate, pixel size, noise, sarcomeres with their
         intervals, the shape of the cell.
     warnings : list of str
-        What a person should look at before the numbers are used.
+        Warnings to read before the numbers are used.
     """
 
     def __init__(self, native: _native.Motion) -> None:
@@ -55,7 +55,8 @@ class Motion:
 
     @property
     def contraction_pct(self) -> NDArray[np.float64]:
-        """How much the cell contracts, by what can be trusted in this film: ``numbers["headline"]`` says which, and why."""
+        """Contraction by the most reliable measure in this film, per cent: ``numbers["headline"]`` states which, and
+        why."""
         return self._native.contraction_pct
 
     @property
@@ -90,7 +91,7 @@ class Motion:
 
     @property
     def sarcomere_um(self) -> NDArray[np.float64]:
-        """Mean length of the sarcomeres; NaN where the film shows none."""
+        """Mean length of the sarcomeres; NaN if the film shows none."""
         return self._native.column("sarcomere_um")
 
     @property
@@ -115,16 +116,16 @@ class Motion:
 
     @property
     def stage_um(self) -> NDArray[np.float64]:
-        """Motion of the stage that was taken out, of shape (frames, 2)."""
+        """Motion of the stage that was subtracted, of shape (frames, 2)."""
         return self._native.stage_um
 
     def to_dataframe(self) -> Any:
-        """The curves as a table; it needs pandas.
+        """Returns the curves as a table; needs pandas.
 
         Returns
         -------
         pandas.DataFrame
-            A row for each frame; the columns are named as the arrays are.
+            One row per frame; the columns have the names of the arrays.
         """
         import pandas
 
@@ -132,12 +133,12 @@ class Motion:
         return pandas.DataFrame({"frame": self.frames, **columns})
 
     def plot(self, axes: Any = None) -> Any:
-        """Draws the contraction over time, and the sarcomeres where there are any; it needs matplotlib.
+        """Draws the contraction over time, and the sarcomeres if there are any; needs matplotlib.
 
         Parameters
         ----------
         axes : sequence of two matplotlib axes, or None
-            Where to draw; None makes a figure.
+            Axes to draw on; None creates a figure.
 
         Returns
         -------
@@ -160,17 +161,17 @@ class Motion:
     def save(
         self, folder: str | PathLike[str], *, force: bool = False, outputs: Sequence[str] | str | None = None
     ) -> Path:
-        """Writes what ``myospring track`` writes: ``track.csv``, ``track.json``, the cell at rest, figures.
+        """Writes the files of ``myospring track``: ``track.csv``, ``track.json``, the cell at rest, figures.
 
         Parameters
         ----------
         folder : path
-            Made if it is not there.
+            Created if it does not exist.
         force : bool
-            Replaces results that the folder holds. Refused where it holds anything that no command wrote, or that was
-            changed since; a file that was read is never replaced.
+            Whether to replace results in the folder. Refused if the folder contains files that no command wrote, or
+            files changed since; an input file is never replaced.
         outputs : sequence of str, str or None
-            What to write beside the curve: "figures", "gif", "frames", "vtu"; None writes the first three.
+            What to write besides the curve: "figures", "gif", "frames", "vtu"; None writes the first three.
 
         Returns
         -------
@@ -180,9 +181,9 @@ class Motion:
         Raises
         ------
         UnknownNameError
-            A word that names no output.
+            An unknown word.
         OSError
-            The folder holds files, or cannot be written to.
+            The folder contains files, or cannot be written to.
         """
         words = outputs.split(",") if isinstance(outputs, str) else None if outputs is None else list(outputs)
         saved, said = self._native.save(os.fspath(folder), force, words)
@@ -229,36 +230,36 @@ def track(
     threads: int | None = None,
     progress: Callable[[str, int, int], object] | None = None,
 ) -> Motion:
-    """Follows a cell through a film by digital image correlation: what ``myospring track`` does.
+    """Tracks a cell in a film by digital image correlation, as ``myospring track`` does.
 
     Parameters
     ----------
     film : path, or array_like of shape (frames, rows, columns)
-        A film (TIFF, OME-TIFF, AVI, y4m; others where ffmpeg is installed), a folder of its pictures, or grey values.
+        A film (TIFF, OME-TIFF, AVI, y4m; others if ffmpeg is installed), a folder of its pictures, or grey values.
     pixel_size_um : float or None
-        Side of one pixel. Never guessed. None: what the film says of itself.
+        Size of a pixel, um. It is never guessed. None: the size stated in the film.
     frame_rate_per_s : float or None
-        Frames a second; None: what the film says of itself.
+        Frame rate, frames per second; None: the rate stated in the film.
     subset_um : float or None
-        Side of the squares that are looked for in each frame; None: 4 um.
+        Side of the square subsets that are found again in each frame, um; None: 4 um.
     frame : int or None
         The frame at rest, from 0; None finds it.
     outline : path or None
-        The cell as it was drawn on the frame at rest.
+        Outline of the cell, drawn on the frame at rest.
     cell, seed, modality : int or str, tuple of two floats, str or None
-        Which cell of the frame at rest is taken, and how it is found, as in `Cell.from_image`.
+        Choice of the cell in the frame at rest, and how it is found, as in `Cell.from_image`.
     channel : int or None
         Channel of the film, from 0.
     allow_cut : bool
-        Takes a cell that the frame cuts.
+        Whether to accept a cell that is cut by the frame.
     spacing_um : float or None
-        Spacing of the points that are followed; None: by the size of the cell.
+        Spacing of the tracked points, um; None chooses it by the size of the cell.
     stain : {"z-disc", "filament"} or None
-        What the film shows: stripes across the fibre or threads along it. None: z-disc.
+        Stained structure: stripes across the fibre or filaments along it. None: z-disc.
     threads : int or None
-        Threads; the numbers do not depend on it.
+        Number of threads; the results do not depend on it.
     progress : callable or None
-        Hears the stage, how many of its steps are done, and how many there are.
+        Called with the stage, the number of finished steps of it, and the number of all its steps.
 
     Returns
     -------
