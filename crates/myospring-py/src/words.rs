@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 /// Options of the program that are no settings: name, argument here, and words that may follow as a value. Those of an
 /// empty argument have no counterpart: what they say is done by arrays.
-const OF_TABLES: [(&str, &str, &[&str]); 19] = [
+const OF_TABLES: [(&str, &str, &[&str]); 25] = [
     ("--columns", "columns", &[]),
     ("--time", "time", &[]),
     ("--kind", "kind", &["contraction"]),
@@ -26,6 +26,12 @@ const OF_TABLES: [(&str, &str, &[&str]); 19] = [
     ("--skip-gaps", "skip_gaps=True", &[]),
     ("--mean", "mean=True", &[]),
     ("--force", "force=True", &[]),
+    ("--outputs", "outputs", &["frames", "gif"]),
+    ("--scale", "scale", &[]),
+    ("--doses", "doses", &[]),
+    ("--pattern", "pattern", &[]),
+    ("--whole-frame", "whole_frame", &[]),
+    ("--shard", "shard", &[]),
     ("--layout", "", &["columns", "rows"]),
     ("--decimal", "", &["comma", "point"]),
 ];
