@@ -371,6 +371,9 @@ fn a_folder_of_good_and_broken_pictures_gives_a_row_each_and_goes_on_where_it_wa
     for overlay in ["a_png.png", "second dish/b_png.png"] {
         assert!(folder.path().join("out/overlays").join(overlay).exists(), "{overlay}");
     }
+    let report = || std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    assert!(report().contains("2 cells of 3 pictures beat, 1 failed."));
+    assert_eq!(report().matches("data:image/png").count(), 2, "a small picture of each cell");
 
     // Interrupted after the first picture, with a line cut off; and a picture mended meanwhile.
     let journal = folder.path().join("out/progress.jsonl");
@@ -383,6 +386,8 @@ fn a_folder_of_good_and_broken_pictures_gives_a_row_each_and_goes_on_where_it_wa
     assert_eq!(second.status.code(), Some(0), "{}", text(&second.stderr));
     let outcome: serde_json::Value = serde_json::from_slice(&second.stdout).unwrap();
     assert_eq!((&outcome["resumed"], &outcome["cells"]), (&1.into(), &3.into()), "{outcome}");
+    assert!(report().contains("3 cells of 3 pictures beat."));
+    assert_eq!(report().matches("data:image/png").count(), 3, "also of those done before");
 
     let other = myospring(folder.path(), &[&batch[..], &["--beats", "2"]].concat());
     assert_eq!(other.status.code(), Some(2));

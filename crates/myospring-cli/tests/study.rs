@@ -63,6 +63,8 @@ fn a_study_gives_the_same_bits_in_one_go_in_parts_and_after_it_was_killed() {
     let drawn = fs::read(&scatter).unwrap();
     assert!(text(&drawn).contains("young_modulus (kPa)") && text(&drawn).contains(" rejected"));
     assert!(path.join("whole/figures/distributions.png").exists());
+    let report = fs::read_to_string(path.join("whole/report.html")).unwrap();
+    assert!(report.contains("128 of 128 members beat") && report.contains("young_modulus"));
 
     // Drawn anew from the table alone, a figure is the same to the last byte.
     fs::remove_dir_all(path.join("whole/figures")).unwrap();

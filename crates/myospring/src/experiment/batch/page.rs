@@ -123,7 +123,8 @@ fn gallery(rows: &[CellRow], small: impl Fn(&CellRow) -> Option<Vec<u8>>) -> Sec
     let (mut thumbnails, mut size, mut missing) = (Vec::new(), 0, 0);
     for row in rows {
         let Some(cell) = &row.cell else { continue };
-        let Some(png) = small(row).filter(|_| size < LARGEST) else {
+        let png = if size < LARGEST { small(row) } else { None };
+        let Some(png) = png else {
             missing += 1;
             continue;
         };
