@@ -38,10 +38,12 @@ def test_a_picture_gives_all_its_cells_with_outlines_masks_and_numbers():
     assert [cell.number for cell in found] == [1, 2] and found.left_out == {}
     assert repr(found) == "<myospring.Segmentation of array.tif: 2 cells, mask>"
     large, small = found
-    assert large.shape["length_um"] == pytest.approx(120, abs=2) > small.shape["length_um"]
+    assert large.shape["length_um"] == pytest.approx(120, abs=2)
+    assert small.shape["length_um"] == pytest.approx(100, abs=2)
     assert large.outline[0].shape[1] == 2 and large.confidence == 1.0
     np.testing.assert_array_equal(large.mask, labels() == 1)
-    assert myospring.segment(labels(), pixel_size_um=0.5, cell=2)[0].shape == small.shape
+    with pytest.warns(myospring.MyospringWarning, match="2 cells"):
+        assert myospring.segment(labels(), pixel_size_um=0.5, cell=2)[0].shape == small.shape
     table = found.to_dataframe()
     assert table["area_um2"].is_monotonic_decreasing and len(table) == 2
     assert "<table>" in found._repr_html_() and found._repr_svg_().startswith("<svg")
@@ -68,7 +70,7 @@ def test_outlines_are_saved_in_any_format_and_come_back_the_same(tmp_path):
     with pytest.raises(OSError, match="already exists"):
         found.save(tmp_path / "cells.zip")
     with pytest.raises(OSError, match="one outline"):
-        found.save(tmp_path / "cells.roi")
+        found.save(tmp_path / "one.roi")
     results = found.save(tmp_path / "results")
     assert {"outline.geojson", "overlay.png", "report.json"} <= {path.name for path in results.iterdir()}
 
@@ -94,7 +96,7 @@ def test_a_list_of_pictures_needs_no_folder_and_a_bad_picture_is_a_row(folder, t
     with pytest.warns(myospring.MyospringWarning, match="1 rows failed"):
         made = myospring.batch([folder / "a.tif", bad], cell=1, **QUICK)
     assert made.counts == {"ok": 1, "failed": 1} and made.folder is None
-    assert list(made.failed) == [bad.as_posix()] and np.isnan(made["peak_shortening_pct"][1])
+    assert list(made.failed) == [str(bad)] and np.isnan(made["peak_shortening_pct"][1])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         one = myospring.batch([folder / "a.tif"], cell=1, **QUICK)

@@ -104,7 +104,7 @@ impl ExperimentError {
         self.passage.as_ref()
     }
 
-    /// Why a file could not be read, where that is what went wrong.
+    /// Why a file could not be read or a folder not be used, where that is what went wrong.
     #[must_use]
     pub fn kind(&self) -> Option<io::ErrorKind> {
         self.kind
@@ -160,7 +160,8 @@ impl From<StudyError> for ExperimentError {
     fn from(error: StudyError) -> Self {
         match error {
             StudyError::OtherSettings { .. } | StudyError::Occupied { .. } => Self::new(error)
-                .advise("--output DIR names another folder, --force begins anew in this one"),
+                .advise("--output DIR names another folder, --force begins anew in this one")
+                .of_kind(io::ErrorKind::AlreadyExists),
             StudyError::Journal { .. } => {
                 Self::new(error).advise("--output names another folder, like --output results/mine")
             }

@@ -66,7 +66,7 @@ impl Pictures {
                 Err(ExperimentError::new("no picture was given"))
             }
             Self::Files(paths) => {
-                let named = |path: &PathBuf| Picture::new(name(Path::new(""), path), path.clone());
+                let named = |path: &PathBuf| Picture::new(path.display().to_string(), path.clone());
                 Ok((paths.iter().map(named).collect(), Vec::new()))
             }
         }
