@@ -267,9 +267,9 @@ pub struct OutOfRange {
 
 impl TensionResponse for Equilibria {
     fn shortening(&self, tension: f64) -> [f64; 2] {
-        let held_length = self.held.assembly.held_length;
+        let part = 1.0 / self.held.assembly.held_length;
         let [length, slope] = self.branch(tension).curve.length(tension);
-        [1.0 - length / held_length, -slope / held_length]
+        [1.0 - length * part, -slope * part]
     }
 
     fn steepest(&self) -> f64 {

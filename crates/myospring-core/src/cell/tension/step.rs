@@ -140,6 +140,9 @@ impl Step {
 
     /// `theta` at the end of a part of the step, from that at its begin.
     fn lagging(&self, [begin, end]: [f64; 2], theta: f64, state: State, rates: &Rates) -> f64 {
+        if end <= begin {
+            return theta;
+        }
         let through =
             [begin, f64::midpoint(begin, end), end].map(|time| self.pull(time, state, rates)[1]);
         rates.lag.over_parabola(end - begin, theta, through)
