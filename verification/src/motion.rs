@@ -7,6 +7,7 @@
 
 use crate::check::{Failure, Setting};
 use crate::row::Row;
+use myospring::analysis::order;
 use myospring::mesh::carried::Carried;
 use myospring::mesh::lattice;
 use myospring::mesh::pixel_size::PixelSize;
@@ -79,9 +80,8 @@ fn pairs(motion: &Motion, height: usize, flows: &[Flow]) -> Vec<Pair> {
     flows.iter().enumerate().filter_map(pair).collect()
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+fn median(values: Vec<f64>) -> f64 {
+    order::median(values).unwrap_or(f64::NAN)
 }
 
 /// Makes the rows; skipped without the film.

@@ -8,6 +8,7 @@
 
 use crate::check::{Failure, Setting};
 use crate::row::Row;
+use myospring::analysis::order;
 use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::fibres::{Fibre, FibreSettings, Stain, fibres};
 use myospring::microscopy::picture::Selection;
@@ -61,9 +62,8 @@ struct Pair {
     far: f64,
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+fn median(values: Vec<f64>) -> f64 {
+    order::median(values).unwrap_or(f64::NAN)
 }
 
 /// Mean of lines with their weights: angle in degrees, and how parallel they are.

@@ -4,7 +4,7 @@ use crate::args::Cli;
 use crate::failure::Failure;
 use crate::kinds;
 use clap::CommandFactory;
-use myospring::settings::Problem;
+use myospring::parameter::nearest;
 use myospring::{cell, units};
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -84,7 +84,8 @@ fn no_command(all: &clap::Command, word: &OsStr) -> Failure {
             .advise("check the path and its spelling; `myospring --help` lists the commands");
     }
     let known: Vec<&str> = all.get_subcommands().map(clap::Command::get_name).collect();
-    let near = Problem::nearest(&text, &known).map(|near| format!("; did you mean `{near}`?"));
+    let near =
+        nearest(&text, known.iter().copied()).map(|near| format!("; did you mean `{near}`?"));
     Failure::new(format!("there is no command `{text}`{}", near.unwrap_or_default()))
         .advise(format!("there are: {}; myospring --help says what each does", known.join(", ")))
 }

@@ -13,6 +13,7 @@ pub mod holes;
 pub mod kind;
 pub mod load;
 mod missing;
+pub mod order;
 pub mod pulse;
 pub mod rest;
 pub mod rhythm;

@@ -54,9 +54,11 @@ mod upstroke;
 
 pub use cell_model::{Adaptive, AdaptiveSteps, CellModel, Filaments, InFits, SideBySide};
 pub use description::{
-    Gate, Input, KnownDeparture, ModelError, Moved, Output, StateVariable, Stimulation, TensionKind,
+    Gate, Input, KnownDeparture, ModelError, Moved, Output, StateVariable, Stimulation,
+    TensionKind, required,
 };
 
+use crate::parameter::nearest;
 use std::sync::Arc;
 use tomek_2019::{Layer, TomekModel, Variant};
 
@@ -124,30 +126,11 @@ pub fn model(name: &str) -> Result<Arc<dyn CellModel>, UnknownModel> {
         return Ok(Arc::clone(found));
     }
     let names: Vec<&str> = models.iter().map(|model| model.name()).collect();
-    let distances = names.iter().map(|known| (edit_distance(name, known), *known));
-    let near = distances.filter(|(distance, known)| 3 * distance <= known.len()).min();
     Err(UnknownModel {
         name: name.to_owned(),
-        nearest: near.map(|(_, known)| known.to_owned()),
+        nearest: nearest(name, names.iter().copied()).map(str::to_owned),
         known: names.join(", "),
     })
-}
-
-/// Levenshtein distance: least number of insertions, deletions and replacements that turn one word
-/// into the other.
-fn edit_distance(from: &str, to: &str) -> usize {
-    let to: Vec<char> = to.chars().collect();
-    let mut row: Vec<usize> = (0..=to.len()).collect();
-    for (i, letter) in from.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for j in 0..to.len() {
-            let replaced = diagonal + usize::from(letter != to[j]);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[to.len()]
 }
 
 #[cfg(test)]

@@ -137,3 +137,34 @@ impl ParameterSet {
         Ok(())
     }
 }
+
+/// Likeness (Jaro-Winkler) from which on one name may be meant by another.
+const ALIKE: f64 = 0.8;
+
+/// Those of some names that may be meant by a written one, the likest first.
+///
+/// # Example
+/// ```
+/// use myospring::parameter::alike;
+/// assert_eq!(alike("tau_Si", ["g_Na", "tau_so", "tau_si"]), ["tau_si", "tau_so"]);
+/// assert!(alike("thickness", ["g_Na"]).is_empty());
+/// ```
+pub fn alike<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut found = by_likeness(written, known);
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.dedup_by_key(|(_, name)| *name);
+    found.into_iter().map(|(_, name)| name).collect()
+}
+
+/// The likest of them, of equals the last.
+pub fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let found = by_likeness(written, known).into_iter();
+    found.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
+}
+
+/// Those that are alike, each with its likeness.
+fn by_likeness<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<(f64, &'a str)> {
+    let written = written.to_lowercase();
+    let likeness = |name: &'a str| (strsim::jaro_winkler(&written, &name.to_lowercase()), name);
+    known.into_iter().map(likeness).filter(|(alike, _)| *alike > ALIKE).collect()
+}

@@ -13,6 +13,7 @@ mod colour;
 use super::filter;
 use super::plane::Plane;
 use super::region::{Connectivity, Island, Region, Window};
+use myospring_core::interruption::{Interrupted, Interruption};
 
 /// Largest spread of the grey values within one mark, as a part of the picture's range; lossy
 /// compression spreads a single value this far.
@@ -106,36 +107,41 @@ pub struct PaintedOver {
 /// ```
 #[must_use]
 pub fn painted_over(plane: &Plane) -> Option<PaintedOver> {
-    without(plane, &grey_marks(plane)?)
+    found(plane, None, &Interruption::default()).ok().flatten()
 }
 
-/// Like [`painted_over`], for a colour picture given by its red, green and blue planes: everything
-/// in a colour other than the picture's own counts as a mark, too.
-#[must_use]
-pub fn painted_over_in_colour(plane: &Plane, channels: &[Plane; 3]) -> Option<PaintedOver> {
-    let mut marks = grey_marks(plane)?;
-    if let Some(drawn) = colour::drawn(channels) {
+/// The same of a picture whose red, green and blue are told, if it has any: what has another colour than nearly all of
+/// it was drawn, too.
+pub(crate) fn found(
+    plane: &Plane,
+    channels: Option<&[Plane; 3]>,
+    interruption: &Interruption,
+) -> Result<Option<PaintedOver>, Interrupted> {
+    let Some(mut marks) = grey_marks(plane, interruption)? else { return Ok(None) };
+    if let Some(drawn) = channels.and_then(colour::drawn) {
         marks.add(&drawn, &Window { columns: 0..plane.width(), rows: 0..plane.height() });
     }
-    without(plane, &marks)
+    interruption.check()?;
+    Ok(without(plane, &marks))
 }
 
 /// The marks of one grey value; `None` for a picture that cannot have any.
-fn grey_marks(plane: &Plane) -> Option<Region> {
+fn grey_marks(plane: &Plane, interruption: &Interruption) -> Result<Option<Region>, Interrupted> {
     let (width, height) = (plane.width(), plane.height());
     let [low, high] = plane.range();
     let range = high - low;
     if !(range > 0.0 && range.is_finite()) || width < 16 || height < 16 {
-        return None;
+        return Ok(None);
     }
     let mut marks = Region::new(width, height, std::iter::empty());
     for value in values_of_marks(plane, [low, high]) {
+        interruption.check()?;
         let drawing = Drawing { plane, value, range };
         for (own, window) in drawing.marks() {
             marks.add(&own, &window);
         }
     }
-    Some(marks)
+    Ok(Some(marks))
 }
 
 /// The plane with its marks painted over.

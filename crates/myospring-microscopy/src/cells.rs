@@ -11,7 +11,7 @@ use std::sync::Arc;
 use geo::Distance;
 
 use super::burned_in;
-use super::fibres::{FibreError, FibreField, FibreSettings, fibres};
+use super::fibres::{FibreError, FibreField, FibreSettings, fibres_interruptible};
 use super::hot_pixels;
 use super::outlines::raster::rasterise;
 use super::outlines::trace::{Edge, TraceError, trace_mask};
@@ -29,6 +29,7 @@ use super::report::{
 use super::segment::{
     self, Choice, Confidence, Modality, SegmentError, Segmentation, Settings, counted, segment,
 };
+use myospring_core::interruption::{Interrupted, Interruption};
 use myospring_core::mesh::lattice::FEWEST_PIXELS;
 use myospring_core::mesh::mask::{Mask, MaskError};
 use myospring_core::mesh::outline::Outline;
@@ -39,7 +40,7 @@ use myospring_core::mesh::pixel_size::PixelSize;
 const SAME_PIXEL_SIZE: f64 = 0.01;
 
 /// What to look for in a picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// Which plane of the picture.
     pub selection: Selection,
@@ -67,6 +68,9 @@ impl Default for Options {
 /// Why a picture gives no cell.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CellError {
+    /// The work was ended early.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// The picture cannot be read.
     #[error(transparent)]
     Picture(#[from] PictureError),
@@ -122,6 +126,8 @@ pub struct PictureCells {
     pub pixel_size_source: &'static str,
     /// Warnings about the picture.
     pub notes: Vec<String>,
+    /// What ends reading its fibres early.
+    pub interruption: Interruption,
     areas_um2: [f64; 2],
     /// The pixels that were painted over because they belong to a burned-in mark.
     marks: Option<Arc<Vec<bool>>>,
@@ -180,10 +186,11 @@ impl PictureCells {
     pub fn find(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
         let mut seen = Self::unsegmented(bytes, options)?;
         let [least, _] = options.areas_um2;
-        let mut settings = options.segmentation;
+        let mut settings = options.segmentation.clone();
         settings.smallest_cell_um2 = settings.smallest_cell_um2.min(least);
         let found = segment(&seen.plane, seen.pixel_size, &settings)?;
         seen.notes.extend(found.notes.iter().cloned());
+        settings.interruption.check()?;
         let windows = found.windows();
         seen.cells = Cells::Found { found: Arc::new(found), windows };
         Ok(seen)
@@ -214,19 +221,19 @@ impl PictureCells {
     /// # Errors
     /// A picture that cannot be read, or no pixel size.
     pub fn unsegmented(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
+        let interruption = &options.segmentation.interruption;
         let picture = read_picture(bytes, &options.selection)?;
         let (mut plane, mut notes) = (picture.plane, picture.notes);
         let mut marks = None;
+        interruption.check()?;
         if !segment::is_taken_for_mask(&plane, &options.segmentation) {
             if let Some((cooled, note)) = hot_pixels::cooled(&plane) {
                 plane = cooled;
                 notes.push(note);
             }
-            let found =
-                match picture.coloured.then(|| channels(bytes, &options.selection)).flatten() {
-                    Some(channels) => burned_in::painted_over_in_colour(&plane, &channels),
-                    None => burned_in::painted_over(&plane),
-                };
+            interruption.check()?;
+            let channels = picture.coloured.then(|| channels(bytes, &options.selection)).flatten();
+            let found = burned_in::found(&plane, channels.as_ref(), interruption)?;
             if let Some(found) = found {
                 plane = found.plane;
                 notes.push(found.note);
@@ -251,7 +258,17 @@ impl PictureCells {
         };
         let cells = Cells::Given(GivenOutlines { outlines: Vec::new(), notes: Vec::new() });
         let areas_um2 = options.areas_um2;
-        Ok(Self { plane, pixel_size, pixel_size_source, notes, areas_um2, marks, cells })
+        let interruption = interruption.clone();
+        Ok(Self {
+            plane,
+            pixel_size,
+            pixel_size_source,
+            notes,
+            interruption,
+            areas_um2,
+            marks,
+            cells,
+        })
     }
 
     /// The picture's frame, which turns pixels into um.
@@ -439,7 +456,9 @@ impl PictureCells {
         long_axis: [f64; 2],
         settings: &FibreSettings,
     ) -> Result<FibreField, FibreError> {
-        fibres(&self.plane, &cell.mask.inside(), self.pixel_size, long_axis, settings)
+        let inside = cell.mask.inside();
+        let (plane, interruption) = (&self.plane, &self.interruption);
+        fibres_interruptible(plane, &inside, self.pixel_size, long_axis, settings, interruption)
     }
 
     /// The direction of the fibres in the whole picture, without the outline of a cell; the x axis
@@ -453,7 +472,8 @@ impl PictureCells {
             Some(marks) => marks.iter().map(|mark| !mark).collect(),
             None => vec![true; pixels],
         };
-        fibres(&self.plane, &inside, self.pixel_size, [1.0, 0.0], settings)
+        let (plane, interruption) = (&self.plane, &self.interruption);
+        fibres_interruptible(plane, &inside, self.pixel_size, [1.0, 0.0], settings, interruption)
     }
 }
 

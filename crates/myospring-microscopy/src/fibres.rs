@@ -43,6 +43,7 @@ use super::plane::Plane;
 pub use doubt::SarcomereDoubt;
 pub use field::{Fibre, FibreField, FibreSummary};
 pub use misfit::Misfit;
+use myospring_core::interruption::{Interrupted, Interruption};
 use myospring_core::mesh::pixel_size::PixelSize;
 pub use settings::{COHERENCY_BOUNDS, FibreSettings, SCALES_UM, Stain};
 
@@ -52,6 +53,9 @@ pub const COARSEST_PIXEL_UM: f64 = 0.7;
 /// Why a picture gives no directions.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FibreError {
+    /// The work was ended early.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// The mask does not fit the picture.
     #[error(
         "the mask has {found} pixels, but the picture has {width} x {height}; both must show the same \
@@ -137,6 +141,19 @@ pub fn fibres(
     long_axis: [f64; 2],
     settings: &FibreSettings,
 ) -> Result<FibreField, FibreError> {
+    let never = Interruption::default();
+    fibres_interruptible(plane, inside, pixel_size, long_axis, settings, &never)
+}
+
+/// [`fibres`], ended early once `interruption` asks for it.
+pub(crate) fn fibres_interruptible(
+    plane: &Plane,
+    inside: &[bool],
+    pixel_size: PixelSize,
+    long_axis: [f64; 2],
+    settings: &FibreSettings,
+    interruption: &Interruption,
+) -> Result<FibreField, FibreError> {
     let (width, height) = (plane.width(), plane.height());
     if inside.len() != width * height {
         return Err(FibreError::MaskShape { width, height, found: inside.len() });
@@ -150,18 +167,20 @@ pub fn fibres(
         return Err(FibreError::LongAxis { x, y });
     }
     check(settings)?;
+    interruption.check()?;
     let pixel_um = pixel_size.um();
     let (readings, band, misfit) = match settings.stain {
         Stain::Filament => (tensor::read(plane, inside, pixel_um, settings), None, None),
         Stain::ZDisc => {
-            let found =
-                stripes::of_cell(plane, inside, pixel_um, settings).ok_or(FibreError::EmptyMask)?;
-            let misfit = misfit::find(plane, inside, pixel_um, settings, &found);
+            let found = stripes::of_cell(plane, inside, pixel_um, settings, interruption)?
+                .ok_or(FibreError::EmptyMask)?;
+            let misfit = misfit::find(plane, inside, pixel_um, settings, &found, interruption);
             let (readings, band) = (found.readings, found.band);
             let readings = if misfit.is_some() { readings.emptied() } else { readings };
             (Some(readings), Some(band), misfit)
         }
     };
+    interruption.check()?;
     let axis = [x / length, y / length];
     // Half as wide as the neighbourhood over which directions are averaged.
     let border_um = 0.5 * settings.smoothing_um;

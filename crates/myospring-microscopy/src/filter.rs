@@ -1,6 +1,7 @@
 //! Smoothing, coarsening and the slowly varying part of a plane.
 
 use super::plane::Plane;
+use myospring_core::analysis::order;
 
 /// Smooths with a Gaussian of standard deviation `sigma` pixels, cut off at two standard
 /// deviations; the values at the rim continue outward.
@@ -183,7 +184,7 @@ pub(super) fn slopes(plane: &Plane) -> [Vec<f32>; 2] {
     [along, down]
 }
 
-/// Quantile: the value below which the part `share` (0 to 1) of all values lies.
+/// The value below which lies the part `share` (0 to 1) of all values; 0 of no values.
 ///
 /// # Example
 /// ```
@@ -191,12 +192,7 @@ pub(super) fn slopes(plane: &Plane) -> [Vec<f32>; 2] {
 /// ```
 #[must_use]
 pub fn quantile(values: &[f32], share: f64) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let mut values = values.to_vec();
-    let at = ((values.len() - 1) as f64 * share.clamp(0.0, 1.0)).round() as usize;
-    *values.select_nth_unstable_by(at, f32::total_cmp).1
+    order::quantile(values.iter().copied(), share).unwrap_or(0.0)
 }
 
 /// At most about `most` values, at regular positions, for statistics of a large plane.

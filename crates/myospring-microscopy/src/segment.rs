@@ -45,6 +45,7 @@ use super::filter;
 use super::plane::Plane;
 use super::region::{Connectivity, Islands, Region, Window};
 use confidence::Candidate;
+use myospring_core::interruption::{Interrupted, Interruption};
 use myospring_core::mesh::mask::{Mask, MaskError, Part};
 use myospring_core::mesh::pixel_size::PixelSize;
 use parting::{Doubt, Parting, Seen};
@@ -71,7 +72,7 @@ pub const LARGEST_LABEL: u32 = (1 << f32::MANTISSA_DIGITS) - 1;
 pub const SMALLEST_CELL_UM2: f64 = 100.0;
 
 /// Options of segmentation.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// How the picture was taken.
     pub modality: Modality,
@@ -84,6 +85,8 @@ pub struct Settings {
     pub smooth_um: Option<f64>,
     /// Islands smaller than this are not cells, um^2.
     pub smallest_cell_um2: f64,
+    /// What ends the work early, with [`SegmentError::Interrupted`].
+    pub interruption: Interruption,
 }
 
 impl Default for Settings {
@@ -94,6 +97,7 @@ impl Default for Settings {
             threshold: None,
             smooth_um: None,
             smallest_cell_um2: SMALLEST_CELL_UM2,
+            interruption: Interruption::default(),
         }
     }
 }
@@ -155,6 +159,9 @@ pub struct Segmentation {
 /// Why no cell is found in a plane.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SegmentError {
+    /// The work was ended early.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// The pixels of a cell are not a valid mask.
     #[error(transparent)]
     Mask(#[from] MaskError),
@@ -300,17 +307,26 @@ struct Working {
     factor: usize,
     /// Side of a working pixel, um.
     pixel_um: f64,
+    /// Ends the work on them early.
+    interruption: Interruption,
 }
 
 impl Working {
     /// Averages pixels up to a side of `coarsest_um`, or more for a very large picture, so that
     /// several planes fit into memory.
-    fn of(plane: &Plane, pixel_size: PixelSize, coarsest_um: f64) -> Self {
+    fn of(
+        plane: &Plane,
+        pixel_size: PixelSize,
+        coarsest_um: f64,
+        interruption: &Interruption,
+    ) -> Result<Self, Interrupted> {
+        interruption.check()?;
         let pixels = (plane.width() * plane.height()) as f64;
         let affordable = (pixels / MOST_WORKING_PIXELS).sqrt().ceil() as usize;
         let factor = ((coarsest_um / pixel_size.um()) as usize).max(affordable).max(1);
         let pixel_um = pixel_size.um() * factor as f64;
-        Self { plane: filter::coarse(plane, factor), factor, pixel_um }
+        let plane = filter::coarse(plane, factor);
+        Ok(Self { plane, factor, pixel_um, interruption: interruption.clone() })
     }
 }
 
@@ -464,13 +480,16 @@ impl Found<'_> {
         self,
         plane: &Plane,
         pixel_size: PixelSize,
-        smallest_um2: f64,
+        settings: &Settings,
         judge: impl Fn(&Candidate<'_>) -> Confidence,
-    ) -> Segmentation {
+    ) -> Result<Segmentation, Interrupted> {
+        let interruption = &settings.interruption;
         let (width, height) = (plane.width(), plane.height());
-        let parting = Parting::of(&self.region, &self.seen);
+        let parting = Parting::of(&self.region, &self.seen, interruption)?;
+        interruption.check()?;
         let islands = self.islands(&parting, width, height);
-        let smallest = smallest_um2 / pixel_size.um().powi(2);
+        interruption.check()?;
+        let smallest = settings.smallest_cell_um2 / pixel_size.um().powi(2);
         let mut order: Vec<usize> = (0..islands.list.len())
             .filter(|&island| islands.list[island].pixels as f64 >= smallest)
             .collect();
@@ -490,12 +509,13 @@ impl Found<'_> {
             }
         }
         let cell = |(number, pixels): (u32, &Vec<u32>)| {
+            interruption.check()?;
             let (rim, on_frame) = rim(&numbers, width, height, pixels);
             let concerns = |doubt: &&Doubt| doubt.concerns(number, &numbers, width, self.factor);
             let doubts = parting.doubts.iter().filter(concerns);
             let doubt = doubts.min_by(|a, b| a.factor().total_cmp(&b.factor()));
             let doubt = doubt.map(|doubt| (doubt.factor(), doubt.reason(self.factor)));
-            Cell {
+            Ok(Cell {
                 number,
                 label: None,
                 pixels: pixels.len(),
@@ -510,9 +530,10 @@ impl Found<'_> {
                     on_frame,
                     doubt,
                 }),
-            }
+            })
         };
-        let mut cells: Vec<Cell> = (1..).zip(&pixels).map(cell).collect();
+        let mut cells: Vec<Cell> = (1..).zip(&pixels).map(cell).collect::<Result<_, _>>()?;
+        interruption.check()?;
         let Self { modality, threshold, .. } = self;
         let rim_of_frame = (2 * (width + height)).saturating_sub(4);
         let mut parts: Vec<sheet::Part<'_>> = cells
@@ -530,7 +551,7 @@ impl Found<'_> {
             }
         });
         let notes = notes.or_else(|| sheet::weigh(&mut parts, rim_of_frame)).into_iter().collect();
-        Segmentation {
+        Ok(Segmentation {
             width,
             height,
             pixel_size,
@@ -540,7 +561,7 @@ impl Found<'_> {
             modality_reason: None,
             threshold,
             notes,
-        }
+        })
     }
 
     /// The cells on the picture's own pixels, with touching cells separated.

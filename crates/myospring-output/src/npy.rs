@@ -26,7 +26,8 @@ pub struct Records {
 }
 
 impl Records {
-    /// Opens a file of this shape to continue it, or creates one filled with NaN.
+    /// Goes on with a file of this shape, or begins one, all NaN. Where records of this shape are fewer or more, those
+    /// that are wanted stay.
     ///
     /// # Errors
     /// A file that cannot be read or written.
@@ -56,12 +57,18 @@ impl Records {
             .open(path)
             .map_err(failed)?;
         let mut there = vec![0; header.len()];
-        let whole = (header.len() + count * length * WIDTH) as u64;
-        let same = file.metadata().map_err(failed)?.len() == whole
+        let bytes = file.metadata().map_err(failed)?.len().saturating_sub(header.len() as u64);
+        let record = (length * WIDTH) as u64;
+        let held = bytes.checked_div(record).unwrap_or(0) as usize;
+        let held_shape: Vec<usize> =
+            std::iter::once(held).chain(shape.iter().skip(1).copied()).collect();
+        let whole = bytes.checked_rem(record) == Some(0)
             && file.read_exact(&mut there).is_ok()
-            && there == header;
-        if !same {
-            begin(&mut file, &header, count * length).map_err(failed)?;
+            && there == self::header("<f4", &held_shape);
+        let kept = if whole { held.min(count) } else { 0 };
+        if kept < count || held != count {
+            let start = header.len() as u64 + kept as u64 * record;
+            resume(&mut file, &header, start, (count - kept) * length).map_err(failed)?;
         }
         Ok(Self { path: path.to_owned(), file, start: header.len() as u64, length, count })
     }
@@ -114,12 +121,13 @@ impl Records {
     }
 }
 
-/// Writes the header and `numbers` NaN.
-fn begin(file: &mut File, header: &[u8], numbers: usize) -> io::Result<()> {
-    file.set_len(0)?;
+/// Writes the header, and cuts the file at `start` to go on with NaN.
+fn resume(file: &mut File, header: &[u8], start: u64, numbers: usize) -> io::Result<()> {
+    file.set_len(start)?;
     file.seek(SeekFrom::Start(0))?;
+    file.write_all(header)?;
+    file.seek(SeekFrom::Start(start))?;
     let mut writer = BufWriter::new(&mut *file);
-    writer.write_all(header)?;
     for _ in 0..numbers {
         writer.write_all(&f32::NAN.to_le_bytes())?;
     }
@@ -131,7 +139,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_written_stays_when_the_file_is_opened_again_and_another_shape_begins_anew() {
+    fn what_was_written_stays_when_the_file_is_opened_again_and_records_of_another_shape_begin_anew()
+     {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("traces.npy");
         let open = |shape: &[usize]| Records::open(&path, shape).unwrap();
@@ -141,6 +150,14 @@ mod tests {
         assert_eq!(again.read(3).unwrap(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_eq!(again.read(0).unwrap()[0].to_bits(), 7.0_f32.to_bits());
         assert!(again.read(0).unwrap()[1..].iter().all(|number| number.is_nan()));
+        let mut more = open(&[1200, 3, 2]);
+        assert_eq!(more.read(3).unwrap(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert!((4..1200).all(|at| more.read(at).unwrap().iter().all(|number| number.is_nan())));
+        let bytes = std::fs::metadata(&path).unwrap().len();
+        assert_eq!(bytes, (header("<f4", &[1200, 3, 2]).len() + 4 * 1200 * 6) as u64);
+        let mut fewer = open(&[2, 3, 2]);
+        assert_eq!(fewer.read(0).unwrap()[0].to_bits(), 7.0_f32.to_bits());
+        assert!(open(&[4, 3, 2]).read(3).unwrap().iter().all(|number| number.is_nan()));
         assert!(open(&[4, 3, 3]).read(3).unwrap().iter().all(|number| number.is_nan()));
     }
 }

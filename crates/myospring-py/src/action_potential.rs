@@ -7,9 +7,13 @@ use myospring::analysis::s2::S1S2;
 use myospring::cell::solve::solve_interruptible;
 use myospring::output::files;
 use myospring::run_file::RunFile;
+use myospring::settings::{Run, find};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+
+/// Between shapes that nobody records, ms: so long that there are few.
+const SELDOM_MS: f64 = 5e4;
 
 /// Follows a cell model; `given` are settings by key. Columns by name, and of each stimulus the metrics: name, value,
 /// unit.
@@ -26,6 +30,18 @@ pub(crate) fn action_potential<'py>(
     settings::put(&mut file, given)?;
     // A cell alone exchanges nothing with a mesh, so that samples need not be a multiple of that interval.
     file.set("numerics.exchange_interval", "0.001 ms").map_err(errors::value)?;
+    // And it records no shapes, however many there would be.
+    if let Some(frames) = find("numerics.frame_interval") {
+        let mut run = Run::default_run();
+        if let (Some(output), Some(interval)) =
+            (find("numerics.output_interval"), file.get("numerics.output_interval"))
+        {
+            output.set(&mut run, interval).map_err(|(_, problem)| errors::value(problem))?;
+        }
+        let whole = (SELDOM_MS / run.numerics.output_interval).floor().max(1.0);
+        let interval = settings::number(frames, whole * run.numerics.output_interval);
+        file.set(frames.key, interval).map_err(errors::value)?;
+    }
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
     let (cell, _warning) = run.driven(|path| files::read(path.as_ref())).map_err(errors::value)?;
     let solved = interruptible(py, |interruption| {

@@ -104,7 +104,7 @@ pub(crate) fn beat(
 pub(crate) fn make(py: Python<'_>, cell: &Inner, file: &RunFile) -> PyResult<(Run, Made)> {
     let mut run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
     let made = interruptible(py, |interruption| {
-        let run = Run { interruption: interruption.clone(), ..run.clone() };
+        let run = run.clone().interrupted_by(interruption);
         run.make(cell.shaped.clone(), |path| cell.read(path))
     })?;
     let mut made = made.map_err(|error| errors::of_making(&error))?;

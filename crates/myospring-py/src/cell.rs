@@ -140,7 +140,8 @@ impl Cell {
         mut files: BTreeMap<String, Vec<u8>>,
     ) -> PyResult<Self> {
         let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
-        let shaped = interruptible(py, |_interruption| {
+        let shaped = interruptible(py, |interruption| {
+            let run = run.clone().interrupted_by(interruption);
             let read = |path: &str| {
                 files.get(path).map_or_else(|| files::read(path.as_ref()), |it| Ok(it.clone()))
             };

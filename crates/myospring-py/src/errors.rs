@@ -3,6 +3,7 @@
 use crate::words;
 use myospring::experiment::ExperimentError;
 use myospring::measured::ReadError;
+use myospring::parameter::nearest;
 use myospring::run_file::RunFileError;
 use myospring::settings::{MakeError, Problem, ShapeError};
 use myospring::study::StudyError;
@@ -139,7 +140,7 @@ pub(crate) fn unknown_among<'a>(
     known: impl Iterator<Item = &'a str>,
 ) -> PyErr {
     let known: Vec<&str> = known.collect();
-    let near = Problem::nearest(name, &known).map(|near| format!("; did you mean `{near}`?"));
+    let near = nearest(name, known.iter().copied()).map(|near| format!("; did you mean `{near}`?"));
     unknown(
         py,
         format!(

@@ -170,6 +170,12 @@ impl Study {
         self.progress().journal.damaged()
     }
 
+    /// How many members were done with other values than they have now, and are worked on anew.
+    #[getter]
+    fn changed(&self) -> usize {
+        self.progress().journal.changed(&self.parameters.members(Shard::WHOLE))
+    }
+
     /// What every member is: `"beat"` or `"cell"`.
     #[getter]
     fn kind(&self) -> &'static str {

@@ -44,7 +44,6 @@ pub use fibres::{Asked, Fibre, FibreReport, Fibres, NotRead, Seen, SeenReport};
 pub use models::Models;
 pub use number::{Number, NumberError};
 pub use places::{FromPlaces, PlacesError};
-pub(crate) use problem::nearest;
 pub use problem::{Failure, Problem};
 pub use rows::Table;
 pub use run::{Made, MakeError, Places, Run};

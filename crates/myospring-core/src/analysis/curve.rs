@@ -36,6 +36,7 @@ mod upstroke;
 
 use super::holes::{self, Hole};
 use super::kind::Kind;
+use super::order::median;
 use super::{Metric, rest, trace};
 pub use agreement::compare;
 use answer::LEAST_FRAMES;
@@ -413,9 +414,7 @@ fn half_of_slopes(
 }
 
 fn median_step(times: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().unwrap_or(1.0)
+    median(times.windows(2).map(|pair| pair[1] - pair[0])).unwrap_or(1.0)
 }
 
 /// The stimuli within the recording, in order; `None` if none were given.
@@ -497,10 +496,7 @@ fn upstroke_words(beats: &[CurveBeat]) -> String {
 }
 
 fn median_of(beats: &[CurveBeat], name: &str) -> Option<f64> {
-    let mut values: Vec<f64> =
-        beats.iter().filter_map(|beat| super::value(&beat.metrics, name)).collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+    median(beats.iter().filter_map(|beat| super::value(&beat.metrics, name)))
 }
 
 /// Shortest and longest plausible interval between beats, ms.

@@ -1,5 +1,7 @@
 //! Gaps in the times of a curve: missing frames.
 
+use super::order::median;
+
 /// Interval between frames, relative to the usual one, from which on it is a gap; a single lost
 /// frame is not.
 const LONG: f64 = 2.5;
@@ -44,12 +46,10 @@ impl Hole {
 /// ```
 pub fn of(times: &[f64]) -> Vec<Hole> {
     let intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if intervals.len() < ENOUGH {
+    let enough = intervals.len() >= ENOUGH;
+    let Some(usual_ms) = median(intervals.iter().copied()).filter(|_| enough) else {
         return Vec::new();
-    }
-    let mut sorted = intervals.clone();
-    sorted.sort_by(f64::total_cmp);
-    let usual_ms = sorted[sorted.len() / 2];
+    };
     let near = intervals.iter().filter(|own| (0.5..=1.5).contains(&(**own / usual_ms))).count();
     if (near as f64) < REGULAR * intervals.len() as f64 {
         return Vec::new();

@@ -11,7 +11,7 @@ mod trace;
 
 pub use trace::{CalciumTrace, TraceError};
 
-use super::description::ModelError;
+use super::description::{ModelError, required};
 use crate::parameter::{Parameter, ParameterSet};
 
 /// The course of prescribed calcium.
@@ -107,7 +107,7 @@ impl TwoExponential {
     /// # Errors
     /// A parameter is missing, or a fall that is not slower than the rise.
     pub fn of(model: &str, parameters: &ParameterSet) -> Result<Self, ModelError> {
-        let read = |name| parameters.get(name).ok_or_else(|| ModelError::missing(model, name));
+        let read = |name| required(model, parameters, name);
         Self::new(
             read("Ca_rest")?,
             read("Ca_amplitude")?,

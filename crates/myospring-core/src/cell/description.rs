@@ -1,6 +1,7 @@
 //! Description of a cell model as data: states, outputs, stimulus and tension.
 
 use super::pacing::Stimulus;
+use crate::parameter::ParameterSet;
 use serde::Serialize;
 use std::borrow::Cow;
 
@@ -150,9 +151,11 @@ pub enum ModelError {
     },
 }
 
-impl ModelError {
-    /// The error for a missing parameter.
-    pub fn missing(model: &str, name: &str) -> Self {
-        Self::Missing { model: model.to_owned(), name: name.to_owned() }
-    }
+/// The value of a parameter that a model needs.
+///
+/// # Errors
+/// A set without it; the error names the model and the parameter.
+pub fn required(model: &str, parameters: &ParameterSet, name: &str) -> Result<f64, ModelError> {
+    let missing = || ModelError::Missing { model: model.to_owned(), name: name.to_owned() };
+    parameters.get(name).ok_or_else(missing)
 }

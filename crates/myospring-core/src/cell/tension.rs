@@ -12,7 +12,7 @@ pub mod train;
 
 pub use step::Rates;
 
-use super::description::ModelError;
+use super::description::{ModelError, required};
 use crate::parameter::{Parameter, ParameterSet};
 use std::f64::consts::PI;
 
@@ -75,7 +75,7 @@ impl Tension {
     /// # Errors
     /// A parameter is missing, or `u_peak` is not above `u_rest`.
     pub fn new(model: &str, parameters: &ParameterSet) -> Result<Self, ModelError> {
-        let read = |name| parameters.get(name).ok_or_else(|| ModelError::missing(model, name));
+        let read = |name| required(model, parameters, name);
         let (u_rest, u_peak) = (read("u_rest")?, read("u_peak")?);
         if u_peak <= u_rest {
             return Err(ModelError::Contradiction {

@@ -147,12 +147,11 @@ impl TomekModel {
             Variant::Land => Form::Land,
         };
         let name = NAMES[variant as usize][layer as usize];
-        let missing = |parameter| ModelError::missing(name, parameter);
         let myofilaments = match variant {
             Variant::Land => Myofilaments::new(name, &parameters)?,
             _ => Myofilaments::published(),
         };
-        let read = parameters::read(&parameters).map_err(missing)?;
+        let read = parameters::read(name, &parameters)?;
         let constants = Constants { form, parameters: read, myofilaments };
         Ok(Self { layer, variant, constants, parameters })
     }

@@ -9,7 +9,7 @@
 
 use super::cell_model::CellModel;
 use super::description::{
-    Input, KnownDeparture, ModelError, StateVariable, Stimulation, TensionKind,
+    Input, KnownDeparture, ModelError, StateVariable, Stimulation, TensionKind, required,
 };
 use super::pacing::Stimulus;
 use crate::parameter::{Parameter, ParameterSet};
@@ -75,7 +75,7 @@ impl ToyModel {
     /// # Errors
     /// The set lacks `tau`.
     pub fn new(parameters: ParameterSet) -> Result<Self, ModelError> {
-        let tau = parameters.get("tau").ok_or_else(|| ModelError::missing(NAME, "tau"))?;
+        let tau = required(NAME, &parameters, "tau")?;
         Ok(Self { parameters, tau })
     }
 

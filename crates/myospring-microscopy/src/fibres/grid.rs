@@ -69,15 +69,6 @@ pub(super) fn half_gaussian(sigma: f64, longest: usize) -> Vec<f32> {
     (0..=reach).map(|i| (weight(i) / sum) as f32).collect()
 }
 
-/// The median; 0 for an empty list.
-pub(super) fn median(mut values: Vec<f32>) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
-}
-
 /// Interpolation of a pixel's position between block centres: the first block, and the fraction of
 /// the way to the next.
 pub(super) fn between(place: f64, blocks: usize) -> (usize, f64) {

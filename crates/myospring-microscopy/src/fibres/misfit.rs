@@ -7,7 +7,8 @@ use std::fmt;
 use super::super::plane::Plane;
 use super::settings::FibreSettings;
 use super::spectra::{LONGEST_UM, SHORTEST_UM};
-use super::stripes::Stripes;
+use super::stripes::{self, Stripes};
+use myospring_core::interruption::Interruption;
 
 /// Pixel sizes, relative to the stated one, at which the picture is examined again: periods from
 /// 2.5 to 4.7 um, from 0.8 to 1.4 and from 0.44 to 0.8.
@@ -63,17 +64,20 @@ impl fmt::Display for Misfit {
     }
 }
 
-/// Searches for another period that explains the picture better than the sarcomeres found in it.
+/// Looks for another period that explains the picture better than the sarcomeres that were found in it; an answer that
+/// was interrupted means nothing.
 pub(super) fn find(
     plane: &Plane,
     inside: &[bool],
     pixel_um: f64,
     settings: &FibreSettings,
     found: &Stripes,
+    interruption: &Interruption,
 ) -> Option<Misfit> {
     let share = found.readings.answered_share();
     let at = |scale: f64| {
-        let other = super::stripes::of_cell(plane, inside, pixel_um * scale, settings)?;
+        let pixel_um = pixel_um * scale;
+        let other = stripes::of_cell(plane, inside, pixel_um, settings, interruption).ok()??;
         let share = other.readings.answered_share();
         let period_um = other.period_um? / scale;
         (share >= LEAST_SHARE).then_some((other.power, period_um))

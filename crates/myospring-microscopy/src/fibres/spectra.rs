@@ -6,9 +6,11 @@
 //! its wave vector, without side lobes. The power is then sampled along rays, in [`ORIENTATIONS`]
 //! directions at wave numbers in geometric progression.
 
-use super::grid::{Grid, Lines, median};
+use super::grid::{Grid, Lines};
 use super::reading::Place;
 use super::window::Window;
+use myospring_core::analysis::order::median;
+use myospring_core::interruption::{Interrupted, Interruption};
 
 /// Standard deviation of the Gaussian around a place, um: the window contains about four
 /// sarcomeres.
@@ -72,7 +74,7 @@ pub(super) struct Spectra {
 
 impl Spectra {
     /// Computes the spectra of a cell.
-    pub(super) fn of(window: &Window) -> Self {
+    pub(super) fn of(window: &Window, interruption: &Interruption) -> Result<Self, Interrupted> {
         let [columns, rows] = window.size;
         let area_um2 = (columns * rows) as f64 * window.pixel_um.powi(2);
         let step_um = STEP_UM.max((area_um2 / MOST_PLACES).sqrt());
@@ -95,6 +97,7 @@ impl Spectra {
             if !(0..down).any(used) {
                 continue;
             }
+            interruption.check()?;
             let block = place.grid.block as f64;
             let middle =
                 |at: usize, count: usize| (((at as f64 + 0.5) * block) as usize).min(count - 1);
@@ -106,7 +109,7 @@ impl Spectra {
                 relative(&mut power[at * size..(at + 1) * size]);
             }
         }
-        Self { place, weight, wave_numbers, power }
+        Ok(Self { place, weight, wave_numbers, power })
     }
 }
 
@@ -170,7 +173,7 @@ fn evened(window: &Window) -> Vec<f32> {
         *square = if mean.is_finite() { mean.sqrt() } else { 0.0 };
     }
     let known = squares.iter().zip(&within).filter(|(_, within)| **within);
-    let usual = median(known.map(|(deviation, _)| *deviation).collect());
+    let usual = median(known.map(|(deviation, _)| *deviation)).unwrap_or(0.0);
     let faint = (FAINT * usual).max(f32::MIN_POSITIVE);
     // A slope rounded to whole grey levels has steps of 0.3 levels; those are not contrast.
     let least = 0.5 * window.grey_step as f32;

@@ -16,11 +16,13 @@
 
 use super::super::plane::Plane;
 use super::doubt::Band;
-use super::grid::{Grid, half_gaussian, median};
+use super::grid::{Grid, half_gaussian};
 use super::reading::{Reading, Readings};
 use super::settings::FibreSettings;
 use super::spectra::{LONGEST_UM, ORIENTATIONS, RATIO, SHORTEST_UM, Spectra, WINDOW_UM};
 use super::window::{Cut, Window};
+use myospring_core::analysis::order::median;
+use myospring_core::interruption::{Interrupted, Interruption};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Pixels are binned up to this side, um: more than five pixels per shortest sarcomere.
@@ -86,7 +88,8 @@ pub(super) fn of_cell(
     inside: &[bool],
     pixel_um: f64,
     settings: &FibreSettings,
-) -> Option<Stripes> {
+    interruption: &Interruption,
+) -> Result<Option<Stripes>, Interrupted> {
     let side = ((ENOUGH_UM / pixel_um) as usize).max(1);
     let cut = Cut {
         side,
@@ -95,13 +98,18 @@ pub(super) fn of_cell(
         unseen_um: settings.rim_um,
         frame: 0,
     };
-    let window = Window::cut(plane, inside, pixel_um, &cut)?;
-    Some(read(&window, LEAST_PIXELS * pixel_um, settings))
+    let window = Window::cut(plane, inside, pixel_um, &cut);
+    window.map(|window| read(&window, LEAST_PIXELS * pixel_um, settings, interruption)).transpose()
 }
 
 /// Searches stripes with a period of at least `shortest_um`.
-pub(super) fn read(window: &Window, shortest_um: f64, settings: &FibreSettings) -> Stripes {
-    let mut spectra = Spectra::of(window);
+pub(super) fn read(
+    window: &Window,
+    shortest_um: f64,
+    settings: &FibreSettings,
+    interruption: &Interruption,
+) -> Result<Stripes, Interrupted> {
+    let mut spectra = Spectra::of(window, interruption)?;
     // The spectra are already means over their windows.
     let own_um = FRAC_1_SQRT_2 * WINDOW_UM;
     let around_um = (settings.smoothing_um.powi(2) - own_um.powi(2)).max(0.0).sqrt();
@@ -109,6 +117,7 @@ pub(super) fn read(window: &Window, shortest_um: f64, settings: &FibreSettings) 
     let size = spectra.wave_numbers.len() * ORIENTATIONS;
     let power = mean_around(&spectra.place.grid, &spectra.power, &spectra.weight, size, around);
     spectra.power = Vec::new();
+    interruption.check()?;
     let comparison = Comparison::of(&spectra.wave_numbers, shortest_um);
     let contrasts: Vec<f32> =
         power.chunks_exact(size).flat_map(|power| comparison.contrasts(power)).collect();
@@ -117,14 +126,16 @@ pub(super) fn read(window: &Window, shortest_um: f64, settings: &FibreSettings) 
     let band = Band { shortest_um: shortest_um.max(SHORTEST_UM), longest_um: LONGEST_UM };
     let Some(common) = cell.common_wave_number() else {
         let readings = Readings { place: cell.spectra.place, at };
-        return Stripes { readings, band, period_um: None, share: 0.0, power: 0.0 };
+        return Ok(Stripes { readings, band, period_um: None, share: 0.0, power: 0.0 });
     };
+    interruption.check()?;
     let evidence = cell.evidence(common);
     let directions = cell.continuous(&evidence);
     let peaks: Vec<Option<Peak>> = (0..at.len())
         .map(|place| cell.peak(place, directions[place], common))
         .map(|peak| peak.filter(|peak| peak.contrast >= LEAST_CONTRAST))
         .collect();
+    interruption.check()?;
     let (seen, power) = cell.seen_at_the_place(&peaks);
     let (mut periods, mut shown) = (Vec::new(), 0.0);
     for (place, peak) in peaks.iter().enumerate() {
@@ -139,10 +150,11 @@ pub(super) fn read(window: &Window, shortest_um: f64, settings: &FibreSettings) 
         }
     }
     // Periods beyond the band are included; otherwise the median would be biased into it.
-    let period_um = (!periods.is_empty()).then(|| f64::from(median(periods)));
+    let period_um = median(periods).map(f64::from);
     let all: f64 = cell.spectra.place.share.iter().map(|share| f64::from(*share)).sum();
     let share = if all > 0.0 { shown / all } else { 0.0 };
-    Stripes { readings: Readings { place: cell.spectra.place, at }, band, period_um, share, power }
+    let readings = Readings { place: cell.spectra.place, at };
+    Ok(Stripes { readings, band, period_um, share, power })
 }
 
 /// A peak of a spectrum, by its nearest samples.
@@ -300,7 +312,7 @@ impl Cell<'_> {
         };
         let seen =
             (0..known.len()).map(|place| known[place].unwrap_or_else(|| beside(place))).collect();
-        (seen, median(power.into_iter().flatten().collect()))
+        (seen, median(power.into_iter().flatten()).unwrap_or(0.0))
     }
 
     /// Power of a wave close around a place, without normalised contrast; `None` too near to the

@@ -1,10 +1,10 @@
 //! Structure tensors: products of gradients, summed over blocks of pixels, normalised and smoothed.
 
 use super::super::plane::Plane;
-use super::grid::median;
 use super::reading::{Place, Reading, Readings};
 use super::settings::FibreSettings;
 use super::window::{Cut, Window};
+use myospring_core::analysis::order::median;
 
 /// Pixels are binned until the gradient scale is at most about twice this many pixels.
 const ENOUGH_PIXELS: f64 = 1.25;
@@ -219,7 +219,7 @@ impl Tensors {
             *energy = if *weight > f32::MIN_POSITIVE { *energy / weight } else { 0.0 };
         }
         let counted = around.iter().zip(&weight).filter(|(_, weight)| **weight > 0.0);
-        let usual = median(counted.map(|(energy, _)| *energy).collect());
+        let usual = median(counted.map(|(energy, _)| *energy)).unwrap_or(0.0);
         let faint = (FAINT * f64::from(usual)).max(least_energy) as f32;
         // Coherency is |sum of the doubled vectors| / sum of the traces; the faint energy is added
         // to the traces like noise, which has no direction.

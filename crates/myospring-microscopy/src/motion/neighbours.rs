@@ -1,6 +1,7 @@
 //! Neighbouring points: predicting a point from its neighbours, and groups of points that agree.
 
 use super::subset::Warp;
+use myospring_core::analysis::order;
 
 /// Least number of neighbours from which a point is predicted.
 const FEWEST: usize = 3;
@@ -220,12 +221,7 @@ pub(super) fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// The median; for an even number of values the upper of the two middle ones.
-pub(super) fn median(mut values: Vec<f32>) -> f32 {
-    let middle = values.len() / 2;
-    if values.is_empty() {
-        f32::NAN
-    } else {
-        *values.select_nth_unstable_by(middle, f32::total_cmp).1
-    }
+/// The median, NaN of no values.
+pub(super) fn median(values: Vec<f32>) -> f32 {
+    order::median(values).unwrap_or(f32::NAN)
 }

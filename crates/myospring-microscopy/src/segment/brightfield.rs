@@ -1,5 +1,6 @@
 //! Segmentation of a cell that is visible by its edges.
 
+use myospring_core::interruption::{Interrupted, Interruption};
 use myospring_core::mesh::pixel_size::PixelSize;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -63,10 +64,12 @@ pub(super) fn segment(
     settings: &Settings,
     texture: &Climbed,
 ) -> Result<Segmentation, SegmentError> {
-    let Working { plane: working, factor, pixel_um: pixel } =
-        Working::of(plane, pixel_size, WORKING_PIXEL_UM);
+    let interruption = &settings.interruption;
+    let Working { plane: working, factor, pixel_um: pixel, .. } =
+        Working::of(plane, pixel_size, WORKING_PIXEL_UM, interruption)?;
     let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
     let relative = relative(&working, pixel);
+    interruption.check()?;
     let gradient = Gradient::of(&relative, smooth_um / pixel);
     let noise = gradient.noise();
     let unit =
@@ -82,6 +85,7 @@ pub(super) fn segment(
     if let Some(near) = texture.around(TEXTURED_UM, pixel, [working.width(), working.height()]) {
         crests = crests.and(&near);
     }
+    interruption.check()?;
     let edges = gradient.edges(&crests, weak, strong, least_edge);
     let coarse = closing_factor(pixel);
     let margin = 2.0 * CLOSING_UM[CLOSING_UM.len() - 1] / pixel;
@@ -93,8 +97,8 @@ pub(super) fn segment(
     });
     let tries: Vec<Guess> = std::iter::once(edges.clone())
         .chain(stricter)
-        .map(|edges| Guess::within(edges, pixel, settings.smallest_cell_um2))
-        .collect();
+        .map(|edges| Guess::within(edges, pixel, settings.smallest_cell_um2, interruption))
+        .collect::<Result<_, _>>()?;
     let votes: Vec<usize> = (0..tries[0].region.pixels())
         .map(|at| tries.iter().filter(|guess| guess.region.contains(at)).count())
         .collect();
@@ -121,6 +125,7 @@ pub(super) fn segment(
     let nothing = Region::new(seen.width(), seen.height(), std::iter::empty());
     let (mut region, mut near_edges) = (nothing.clone(), nothing);
     for window in guess.windows((2.0 * BAY_UM / pixel).ceil() as usize) {
+        interruption.check()?;
         let (near, close) = (guess.cut(&window), around.cut(&window));
         let refined = flooded(&close.towards_the_light(&near, band), &near, band)
             .opened(OPENING_UM / pixel)
@@ -179,7 +184,7 @@ pub(super) fn segment(
         confidence.weigh_shape(candidate, plane.width());
         confidence
     };
-    Ok(found.finish(plane, pixel_size, settings.smallest_cell_um2, judge))
+    Ok(found.finish(plane, pixel_size, settings, judge)?)
 }
 
 /// Pixels along the side of a block of the grid on which gaps are closed.
@@ -339,24 +344,32 @@ struct Guess {
 impl Guess {
     /// The area enclosed by edges after closing gaps by the smallest sufficient radius: larger ones
     /// add little more than bays.
-    fn within(edges: Region, pixel_um: f64, smallest_um2: f64) -> Self {
+    fn within(
+        edges: Region,
+        pixel_um: f64,
+        smallest_um2: f64,
+        interruption: &Interruption,
+    ) -> Result<Self, Interrupted> {
         let factor = closing_factor(pixel_um);
         let pixel_um = pixel_um * factor as f64;
         let coarse = edges.coarse(factor);
         let smallest = smallest_um2 / pixel_um.powi(2);
-        let at_radius = |radius_um: f64| {
-            coarse
+        let at_radius = |&radius_um: &f64| {
+            interruption.check()?;
+            let region = coarse
                 .closed(radius_um / pixel_um)
                 .filled(usize::MAX)
                 .opened(OPENING_UM / pixel_um)
-                .kept(Connectivity::Four, |island| island.pixels as f64 >= smallest)
+                .kept(Connectivity::Four, |island| island.pixels as f64 >= smallest);
+            Ok((region, radius_um))
         };
-        let tries: Vec<(Region, f64)> = CLOSING_UM.iter().map(|&um| (at_radius(um), um)).collect();
+        let tries: Vec<(Region, f64)> =
+            CLOSING_UM.iter().map(at_radius).collect::<Result<_, _>>()?;
         let most = tries.iter().map(|(region, _)| region.count()).max().unwrap_or(0) as f64;
         let enough = |region: &Region| region.count() as f64 >= ENOUGH * most;
         let first = tries.into_iter().find(|(region, _)| enough(region));
         let (region, closing_um) = first.unwrap_or((coarse, CLOSING_UM[CLOSING_UM.len() - 1]));
-        Self { edges, region, closing_um }
+        Ok(Self { edges, region, closing_um })
     }
 }
 

@@ -36,23 +36,25 @@ pub fn segment(
     pixel_size: PixelSize,
     settings: &Settings,
 ) -> Result<Segmentation, SegmentError> {
+    let interruption = &settings.interruption;
+    interruption.check()?;
     check(plane, settings)?;
     let [low, high] = plane.range();
     if low == high {
         let (width, height) = (plane.width(), plane.height());
         return Err(SegmentError::Blank { width, height, value: low });
     }
-    let working = || Working::of(plane, pixel_size, evidence::PIXEL_UM);
+    let working = || Working::of(plane, pixel_size, evidence::PIXEL_UM, interruption);
     match settings.modality {
         Modality::Mask => labels::segment(plane, pixel_size),
         Modality::Auto if modality::is_mask(plane) => labels::segment(plane, pixel_size),
-        Modality::Auto => told_apart(plane, pixel_size, settings, working()),
+        Modality::Auto => told_apart(plane, pixel_size, settings, working()?),
         Modality::Fluorescence => {
-            let bright = Bright::of(working(), settings);
+            let bright = Bright::of(working()?, settings)?;
             fluorescence::segment(bright, plane, pixel_size, settings)
         }
         Modality::Brightfield => {
-            let texture = Climbed::by_texture(&working(), settings.smallest_cell_um2);
+            let texture = Climbed::by_texture(&working()?, settings.smallest_cell_um2)?;
             brightfield::segment(plane, pixel_size, settings, &texture)
         }
     }
@@ -65,12 +67,14 @@ fn told_apart(
     settings: &Settings,
     working: Working,
 ) -> Result<Segmentation, SegmentError> {
-    let texture = Climbed::by_texture(&working, settings.smallest_cell_um2);
-    let bright = Bright::of(working, settings);
+    let texture = Climbed::by_texture(&working, settings.smallest_cell_um2)?;
+    let bright = Bright::of(working, settings)?;
     let told = modality::by_evidence(&bright, &texture);
     let Some((modality, reason)) = told else {
         // Objects with neither may have closed edges.
-        return brightfield::segment(plane, pixel_size, settings, &texture)
+        let edges = brightfield::segment(plane, pixel_size, settings, &texture);
+        settings.interruption.check()?;
+        return edges
             .ok()
             .filter(|found| found.cells.iter().any(|cell| !cell.confidence.is_doubtful()))
             .map(|found| {

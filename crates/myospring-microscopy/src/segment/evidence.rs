@@ -5,6 +5,7 @@ use super::ground::Ground;
 use crate::filter::{self, otsu, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region};
+use myospring_core::interruption::{Interrupted, Interruption};
 
 /// Side up to which pixels are averaged, um.
 pub(super) const PIXEL_UM: f64 = 0.25;
@@ -92,27 +93,39 @@ pub(super) struct Readings {
 impl Evidence {
     /// Evidence from brightness, with gaps between stripes filled; `smooth_um` is the scale of
     /// smoothing.
-    pub(super) fn brightness(working: &Working, smooth_um: f64, grid: Grid) -> Readings {
+    pub(super) fn brightness(
+        working: &Working,
+        smooth_um: f64,
+        grid: Grid,
+    ) -> Result<Readings, Interrupted> {
         let pixel = working.pixel_um;
         let smooth = filter::gaussian(&working.plane, smooth_um / pixel);
-        Self::readings(&filter::closed(&smooth, (GAP_UM / pixel).round() as usize), &smooth, grid)
+        let closed = filter::closed(&smooth, (GAP_UM / pixel).round() as usize);
+        Self::readings(&closed, &smooth, grid, &working.interruption)
     }
 
     /// Evidence from texture: variation on the scale of stripes and grains.
-    pub(super) fn texture(working: &Working, grid: Grid) -> Readings {
+    pub(super) fn texture(working: &Working, grid: Grid) -> Result<Readings, Interrupted> {
         let energy = texture_of(working);
-        Self::readings(&energy, &energy, grid)
+        Self::readings(&energy, &energy, grid, &working.interruption)
     }
 
     /// Evidence above the fitted background; also above the darkest places if the fitted background
     /// scatters too much, because cells or haze may then fill most of the picture.
-    fn readings(plane: &Plane, plain: &Plane, grid: Grid) -> Readings {
+    fn readings(
+        plane: &Plane,
+        plain: &Plane,
+        grid: Grid,
+        interruption: &Interruption,
+    ) -> Result<Readings, Interrupted> {
+        interruption.check()?;
         let (surface, dark) = (Ground::under(plane), Ground::darkest(plane, grid.working_um));
         let doubtful = surface.noise > UNEVEN * dark.noise;
-        Readings {
-            first: Self::above(&surface, plane, plain, grid),
-            other: doubtful.then(|| Self::above(&dark, plane, plain, grid)),
-        }
+        interruption.check()?;
+        let first = Self::above(&surface, plane, plain, grid);
+        interruption.check()?;
+        let other = doubtful.then(|| Self::above(&dark, plane, plain, grid));
+        Ok(Readings { first, other })
     }
 
     fn above(ground: &Ground, plane: &Plane, plain: &Plane, grid: Grid) -> Self {

@@ -9,6 +9,7 @@ use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, W
 use crate::filter::{self, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};
+use myospring_core::interruption::Interrupted;
 use myospring_core::mesh::pixel_size::PixelSize;
 
 /// Radius by which gaps are closed, um: stripes of a myocyte are 1.6 to 2.2 um apart, and the
@@ -37,15 +38,15 @@ pub(super) struct Bright {
 
 impl Bright {
     /// Finds the objects that are brighter than their surroundings.
-    pub(super) fn of(working: Working, settings: &Settings) -> Self {
+    pub(super) fn of(working: Working, settings: &Settings) -> Result<Self, Interrupted> {
         let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
-        let climbed = Climbed::by_brightness(&working, smooth_um, settings.smallest_cell_um2);
-        Self { working, smooth_um, climbed }
+        let climbed = Climbed::by_brightness(&working, smooth_um, settings.smallest_cell_um2)?;
+        Ok(Self { working, smooth_um, climbed })
     }
 
     /// The outlines on the finer grid: where brightness crosses the level that explains the cell
     /// best, and half of the largest brightness nearby.
-    fn region(&self, settings: &Settings) -> Region {
+    fn region(&self, settings: &Settings) -> Result<Region, Interrupted> {
         let Self { working, climbed: Climbed { evidence, levels, grid, rough, .. }, .. } = self;
         let (width, height) = (levels.width(), levels.height());
         let pixel = working.pixel_um;
@@ -53,13 +54,14 @@ impl Bright {
         if let Some(threshold) = settings.threshold {
             let smooth = filter::gaussian(&working.plane, self.smooth_um / pixel);
             let above = smooth.values().iter().map(|&value| f64::from(value) > threshold);
-            return self.tidied(&Region::new(width, height, above), settings);
+            return Ok(self.tidied(&Region::new(width, height, above), settings));
         }
         // Light of a bright place is blurred across the outline; the edge is at half of it.
         let near = filter::largest_nearby(lifted, (2.0 * self.smooth_um / pixel).round() as usize);
         let around = AROUND_UM / pixel;
         let mut all = Region::new(width, height, std::iter::empty());
         for Rough { window, region, level, .. } in rough {
+            working.interruption.check()?;
             let margin = (2.0 * around.max(CLOSING_UM / pixel)).ceil() as usize;
             let fine = window.finer(grid.factor, margin, [width, height]);
             let near_by = region.spread_within(window, grid.factor, &fine).grown(around);
@@ -72,7 +74,7 @@ impl Bright {
             let own = without_spurs_to_the_frame(own, &fine, [width, height], SPUR_UM / pixel);
             all.put_apart(&own, &fine);
         }
-        all
+        Ok(all)
     }
 
     /// The region without specks, gaps, holes and spikes.
@@ -137,7 +139,7 @@ pub(super) fn segment(
     pixel_size: PixelSize,
     settings: &Settings,
 ) -> Result<Segmentation, SegmentError> {
-    let region = bright.region(settings);
+    let region = bright.region(settings)?;
     let Bright { working, climbed, smooth_um } = bright;
     let Climbed { evidence, rough, grid, .. } = climbed;
     let (factor, pixel) = (working.factor, working.pixel_um);
@@ -160,7 +162,7 @@ pub(super) fn segment(
         Seen { brightness: &working.plane, dark: evidence.middle, pixel_um: pixel, smallest_um2 };
     let found = Found { region, seen, factor, modality: Modality::Fluorescence, threshold };
     let judge = |candidate: &Candidate<'_>| view.judge(candidate, plane.width());
-    Ok(found.finish(plane, pixel_size, settings.smallest_cell_um2, judge))
+    Ok(found.finish(plane, pixel_size, settings, judge)?)
 }
 
 /// The picture as needed for the confidence.

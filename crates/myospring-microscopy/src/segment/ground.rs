@@ -2,6 +2,7 @@
 
 use crate::filter::{self, bulk, otsu, quantile, sample};
 use crate::plane::Plane;
+use nalgebra::{Matrix6, Vector6};
 
 /// Number of blocks along the longer side, to which the background is fitted.
 const BLOCKS: usize = 64;
@@ -136,48 +137,17 @@ fn fitted(blocks: &Plane, used: &[bool]) -> Option<Plane> {
     if chosen.len() * 8 < used.len() || chosen.len() < 4 * TERMS {
         return None;
     }
-    let mut left = [[0.0; TERMS]; TERMS];
-    let mut right = [0.0; TERMS];
+    let (mut left, mut right) = (Matrix6::zeros(), Vector6::zeros());
     for &at in &chosen {
-        let terms = terms(at);
-        for (i, a) in terms.iter().enumerate() {
-            right[i] += a * f64::from(blocks.values()[at]);
-            for (j, b) in terms.iter().enumerate() {
-                left[i][j] += a * b;
-            }
-        }
+        let terms = Vector6::from(terms(at));
+        right += f64::from(blocks.values()[at]) * terms;
+        left += terms * terms.transpose();
     }
-    for (term, row) in left.iter_mut().enumerate() {
-        // Regularisation: keeps undetermined terms at zero.
-        row[term] += 1e-6 * chosen.len() as f64;
-    }
-    let weights = solved(left, right)?;
-    let value = |at: usize| -> f64 {
-        terms(at).iter().zip(&weights).map(|(term, weight)| term * weight).sum()
-    };
+    // Keeps a direction that no block tells of at zero.
+    left += Matrix6::from_diagonal_element(1e-6 * chosen.len() as f64);
+    let weights = left.cholesky()?.solve(&right);
+    let value = |at: usize| -> f64 { Vector6::from(terms(at)).dot(&weights) };
     Plane::new(width, height, (0..used.len()).map(|at| value(at) as f32).collect())
-}
-
-/// Solves a symmetric system by elimination; `None` if the matrix is not positive definite.
-fn solved(mut left: [[f64; TERMS]; TERMS], mut right: [f64; TERMS]) -> Option<[f64; TERMS]> {
-    for done in 0..TERMS {
-        let (row, value) = (left[done], right[done]);
-        if !(row[done] > 0.0 && row[done].is_finite()) {
-            return None;
-        }
-        for below in done + 1..TERMS {
-            let factor = left[below][done] / row[done];
-            right[below] -= factor * value;
-            for column in done..TERMS {
-                left[below][column] -= factor * row[column];
-            }
-        }
-    }
-    for row in (0..TERMS).rev() {
-        let known: f64 = (row + 1..TERMS).map(|column| left[row][column] * right[column]).sum();
-        right[row] = (right[row] - known) / left[row][row];
-    }
-    Some(right)
 }
 
 #[cfg(test)]
@@ -199,16 +169,5 @@ mod tests {
             // What holds back directions that no block tells of: a millionth, against weights of a tenth.
             assert!((value - surface(at)).abs() < 1e-3, "{value} at {at}");
         }
-    }
-
-    #[test]
-    fn a_matrix_that_is_not_positive_definite_has_no_solution() {
-        let mut left = [[0.0; TERMS]; TERMS];
-        (0..TERMS).for_each(|term| left[term][term] = 2.0);
-        assert_eq!(solved(left, [1.0; TERMS]), Some([0.5; TERMS]));
-        left[4][4] = -1.0;
-        assert_eq!(solved(left, [1.0; TERMS]), None);
-        left[4][4] = f64::NAN;
-        assert_eq!(solved(left, [1.0; TERMS]), None);
     }
 }

@@ -14,6 +14,7 @@ use super::evidence::{Evidence, Grid, Readings};
 use crate::filter::{self, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};
+use myospring_core::interruption::{Interrupted, Interruption};
 
 /// Distance of the rungs, as a part of the difference between cells and background.
 const RUNG: f32 = 0.05;
@@ -92,35 +93,52 @@ pub(super) struct Climbed {
 }
 
 impl Climbed {
-    fn of(evidence: Evidence, grid: Grid, smallest_um2: f64) -> Self {
+    fn of(
+        evidence: Evidence,
+        grid: Grid,
+        smallest_um2: f64,
+        interruption: &Interruption,
+    ) -> Result<Self, Interrupted> {
+        interruption.check()?;
         let levels = evidence.levels();
         let coarse = filter::coarse(&levels, grid.factor);
         let ladder = Ladder::on(&coarse, &evidence, grid.pixel_um(), smallest_um2);
-        let rough = ladder.climb(evidence.least());
-        Self { evidence, levels, grid, rough, share: 1.0 }
+        let rough = ladder.climb(evidence.least(), interruption)?;
+        Ok(Self { evidence, levels, grid, rough, share: 1.0 })
     }
 
     /// Chooses islands by brightness.
-    pub(super) fn by_brightness(working: &Working, smooth_um: f64, smallest_um2: f64) -> Self {
+    pub(super) fn by_brightness(
+        working: &Working,
+        smooth_um: f64,
+        smallest_um2: f64,
+    ) -> Result<Self, Interrupted> {
         let grid = Grid::of(working);
-        Self::best(Evidence::brightness(working, smooth_um, grid), grid, smallest_um2)
+        let readings = Evidence::brightness(working, smooth_um, grid)?;
+        Self::best(readings, grid, smallest_um2, &working.interruption)
     }
 
     /// Chooses islands by texture.
-    pub(super) fn by_texture(working: &Working, smallest_um2: f64) -> Self {
+    pub(super) fn by_texture(working: &Working, smallest_um2: f64) -> Result<Self, Interrupted> {
         let grid = Grid::of(working);
-        Self::best(Evidence::texture(working, grid), grid, smallest_um2)
+        let readings = Evidence::texture(working, grid)?;
+        Self::best(readings, grid, smallest_um2, &working.interruption)
     }
 
     /// The alternative that explains most.
-    fn best(readings: Readings, grid: Grid, smallest_um2: f64) -> Self {
-        let mut first = Self::of(readings.first, grid, smallest_um2);
-        let Some(other) = readings.other else { return first };
-        let mut other = Self::of(other, grid, smallest_um2);
+    fn best(
+        readings: Readings,
+        grid: Grid,
+        smallest_um2: f64,
+        interruption: &Interruption,
+    ) -> Result<Self, Interrupted> {
+        let mut first = Self::of(readings.first, grid, smallest_um2, interruption)?;
+        let Some(other) = readings.other else { return Ok(first) };
+        let mut other = Self::of(other, grid, smallest_um2, interruption)?;
         // The light above the darkest places is the whole that must be explained.
         let light = filter::coarse(&other.evidence.lifted, grid.factor);
         (first.share, other.share) = (first.share_of(&light), other.share_of(&light));
-        if other.value() > first.value() { other } else { first }
+        Ok(if other.value() > first.value() { other } else { first })
     }
 
     /// How much all islands explain.
@@ -185,7 +203,7 @@ impl<'a> Ladder<'a> {
     }
 
     /// The islands that explain most, at levels from `least` on.
-    fn climb(&self, least: f32) -> Vec<Rough> {
+    fn climb(&self, least: f32, interruption: &Interruption) -> Result<Vec<Rough>, Interrupted> {
         let (width, height) = (self.levels.width(), self.levels.height());
         let least = least.max(RUNG);
         let above = Region::new(width, height, self.levels.values().iter().map(|&v| v > least));
@@ -194,17 +212,24 @@ impl<'a> Ladder<'a> {
         let above = above.kept(Connectivity::Eight, |island| island.pixels as f64 >= smallest);
         let mut found = Vec::new();
         for window in above.windows((BESIDE_UM[1] / self.pixel_um).ceil() as usize) {
-            found.extend(self.best(&above.cut(&window), &window, least).1);
+            found.extend(self.best(&above.cut(&window), &window, least, interruption)?.1);
         }
-        found
+        Ok(found)
     }
 
     /// The islands within a region that explain most, and the sum of their values.
-    fn best(&self, region: &Region, window: &Window, level: f32) -> (f64, Vec<Rough>) {
+    fn best(
+        &self,
+        region: &Region,
+        window: &Window,
+        level: f32,
+        interruption: &Interruption,
+    ) -> Result<(f64, Vec<Rough>), Interrupted> {
         let (mut value, mut found) = (0.0, Vec::new());
         if level > TOP {
-            return (value, found);
+            return Ok((value, found));
         }
+        interruption.check()?;
         let width = self.levels.width();
         let values = window.cut(self.levels.values(), width);
         let above = region.inside().zip(&values).map(|(inside, &value)| inside && value > level);
@@ -227,7 +252,7 @@ impl<'a> Ladder<'a> {
             let within = own.window(margin, 1);
             let (own_region, within) = (own.cut(&within), window.part(&within));
             let explained = self.explained(&own_region, &within);
-            let (sum, parts) = self.best(&own_region, &within, level + RUNG);
+            let (sum, parts) = self.best(&own_region, &within, level + RUNG, interruption)?;
             let own = explained.value();
             let tighter = match parts.as_slice() {
                 [part] => part.explained.value() >= AS_GOOD * own,
@@ -240,7 +265,7 @@ impl<'a> Ladder<'a> {
                 found.push(Rough { window: within, region: own_region, level, explained });
             }
         }
-        (value, found)
+        Ok((value, found))
     }
 
     fn explained(&self, region: &Region, window: &Window) -> Explained {

@@ -17,6 +17,7 @@ use crate::region::{Connectivity, Region};
 use cut::{DOUBTED, PARTED};
 use light::Light;
 pub(super) use light::Seen;
+use myospring_core::interruption::{Interrupted, Interruption};
 use piece::Piece;
 
 /// Side up to which pixels are averaged, um: a tenth of a narrow cell.
@@ -88,7 +89,12 @@ pub(super) struct Parting {
 
 impl Parting {
     /// Separates the cells of each island.
-    pub(super) fn of(region: &Region, seen: &Seen<'_>) -> Self {
+    pub(super) fn of(
+        region: &Region,
+        seen: &Seen<'_>,
+        interruption: &Interruption,
+    ) -> Result<Self, Interrupted> {
+        interruption.check()?;
         let factor = ((PIXEL_UM / seen.pixel_um) as usize).max(1);
         let pixel_um = seen.pixel_um * factor as f64;
         let coarse = region.halves(factor);
@@ -102,12 +108,12 @@ impl Parting {
                 continue;
             }
             let whole = Piece::of(&islands.numbers, width, number, island);
-            let parts = parting.parted(whole, &light, smallest);
+            let parts = parting.parted(whole, &light, smallest, interruption)?;
             if parts.len() > 1 {
                 parting.islands.push(parts);
             }
         }
-        parting
+        Ok(parting)
     }
 
     /// The part to which each pixel of an island of several cells belongs, 0 for all other islands,
@@ -142,9 +148,16 @@ impl Parting {
         Some(marks)
     }
 
-    fn parted(&mut self, whole: Piece, light: &Light<'_>, smallest: f64) -> Vec<Piece> {
+    fn parted(
+        &mut self,
+        whole: Piece,
+        light: &Light<'_>,
+        smallest: f64,
+        interruption: &Interruption,
+    ) -> Result<Vec<Piece>, Interrupted> {
         let (mut open, mut done) = (vec![whole], Vec::new());
         while let Some(piece) = open.pop() {
+            interruption.check()?;
             let Some((cut, sides)) = cuts::strongest(&piece, light, smallest) else {
                 done.push(piece);
                 continue;
@@ -167,7 +180,7 @@ impl Parting {
                 done.push(piece);
             }
         }
-        done
+        Ok(done)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::FigureError;
 use super::raster::grey_png;
 use super::sheet::Picture;
+use myospring_core::analysis::order::quantile;
 
 /// Longest side of an embedded picture, pixels.
 const LONGEST: f64 = 1600.0;
@@ -84,17 +85,8 @@ fn percentiles<'a>(rows: impl Iterator<Item = &'a [f32]> + Clone) -> [f32; 2] {
     let count: usize = rows.clone().map(<[f32]>::len).sum();
     // An odd step does not sample the same columns in every row of even width.
     let step = (count / LOOKED_AT) | 1;
-    let mut seen: Vec<f32> =
-        rows.flatten().copied().step_by(step).filter(|value| value.is_finite()).collect();
-    if seen.is_empty() {
-        return [0.0; 2];
-    }
-    let last = seen.len() - 1;
-    let mut pick = |part: f64| {
-        let place = (part * last as f64).round() as usize;
-        *seen.select_nth_unstable_by(place, f32::total_cmp).1
-    };
-    [pick(DARKEST), pick(BRIGHTEST)]
+    let seen = rows.flatten().copied().step_by(step).filter(|value| value.is_finite());
+    [DARKEST, BRIGHTEST].map(|part| quantile(seen.clone(), part).unwrap_or(0.0))
 }
 
 #[cfg(test)]

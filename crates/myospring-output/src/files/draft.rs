@@ -25,6 +25,8 @@ pub struct Draft {
     folder: PathBuf,
     /// Held while the draft exists.
     lock: Option<File>,
+    /// Folders around it that were made for it, the innermost first: those that stay empty go with it.
+    around: Vec<PathBuf>,
 }
 
 impl Draft {
@@ -45,11 +47,13 @@ impl Draft {
             return Err(FileError::Foreign { path: folder });
         }
         let in_use = || FileError::InUse { path: target.to_owned() };
+        let missing = |place: &&Path| !place.as_os_str().is_empty() && !place.exists();
+        let around = folder.ancestors().skip(1).take_while(missing).map(Path::to_owned).collect();
         let lock = Self::lock(&folder, failed)?.ok_or_else(in_use)?;
         let files = folder.join(FILES);
         match lock {
             Hold::Ours(lock) => {
-                let draft = Self { folder, lock: Some(lock) };
+                let draft = Self { folder, lock: Some(lock), around };
                 // Left by a process that has ended.
                 remove_folder(&files).map_err(failed)?;
                 fs::create_dir(&files).map_err(failed)?;
@@ -58,7 +62,7 @@ impl Draft {
             }
             // On a disk without locks, existing files may belong to a running process.
             Hold::Unknown(_) => match fs::create_dir(&files) {
-                Ok(()) => Ok(Self { folder, lock: None }),
+                Ok(()) => Ok(Self { folder, lock: None, around }),
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(in_use()),
                 Err(error) => Err(failed(error)),
             },
@@ -72,8 +76,8 @@ impl Draft {
         failed: impl Fn(io::Error) -> FileError,
     ) -> Result<Option<Hold>, FileError> {
         for _ in 0..TRIES {
-            fs::create_dir_all(folder).map_err(&failed)?;
-            match hold(&folder.join(LOCK)) {
+            let held = fs::create_dir_all(folder).and_then(|()| hold(&folder.join(LOCK)));
+            match held {
                 Ok(held) => return Ok(Some(held)),
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {}
                 Err(error) => return Err(failed(error)),
@@ -98,7 +102,7 @@ impl Draft {
             if name.starts_with('.') && name.ends_with(".part") && path != self.folder {
                 // A leftover that cannot be removed does no harm.
                 if let Ok(Hold::Ours(lock)) = try_hold(&path.join(LOCK), false) {
-                    drop(Self { folder: path, lock: Some(lock) });
+                    drop(Self { folder: path, lock: Some(lock), around: Vec::new() });
                 }
             }
         }
@@ -113,6 +117,8 @@ impl Drop for Draft {
         fs::remove_file(self.folder.join(LOCK)).ok();
         fs::remove_dir(&self.folder).ok();
         self.lock = None;
+        // One that holds something stays.
+        self.around.iter().try_for_each(fs::remove_dir).ok();
     }
 }
 
@@ -147,6 +153,14 @@ mod tests {
         drop((first, other));
         assert_eq!(names(place.path()), [""; 0]);
         Draft::begin(&target).unwrap();
+        // Nor are folders that were made for it, unless something else came there.
+        let results = place.path().join("all/results");
+        let [beat, other] =
+            ["beat", "other"].map(|name| Draft::begin(&results.join(name)).unwrap());
+        fs::write(place.path().join("all/mine.txt"), "").unwrap();
+        drop((beat, other));
+        assert_eq!(names(place.path()), ["all"]);
+        assert_eq!(names(&place.path().join("all")), ["mine.txt"]);
     }
 
     #[test]

@@ -402,6 +402,8 @@ def run_study(
     try:
         if native.damaged:
             warn([f"the results of {native.damaged} members that were kept in {results} were changed or damaged since; they are computed anew"])
+        if native.changed:
+            warn([f"the study's parameters or sampling changed: {native.changed} members that were kept in {results} had other values; they are computed anew"])
         watch: Callable[[int, int, float | None], None] | None
         if callable(progress):
             watch = progress

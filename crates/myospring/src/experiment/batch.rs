@@ -274,6 +274,10 @@ impl study::Observer<Picture> for Seen<'_> {
         self.observer.warn(&study::damaged(pictures, "pictures"));
     }
 
+    fn changed(&self, pictures: usize) {
+        self.observer.warn(&study::changed(pictures, "pictures"));
+    }
+
     fn finished(&self, picture: &Picture, rows: &[CellRow]) -> bool {
         for row in rows.iter().filter(|row| row.status == Status::Failed) {
             self.observer.failed(&picture.name, &row.reason);

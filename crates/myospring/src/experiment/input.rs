@@ -143,9 +143,9 @@ pub fn settle_with(
     for (origin, key, value) in own {
         reader = reader.overriding(origin, key, value);
     }
-    let mut run =
+    let run =
         reader.resolve().map_err(|error| ExperimentError::of_run_file(&error, text.as_deref()))?;
-    run.interruption = interruption.clone();
+    let run = run.interrupted_by(interruption);
     for path in run.to_run_file().paths_mut() {
         files.note(Path::new(path));
     }

@@ -58,8 +58,8 @@ pub struct Segmented {
 impl Experiment for Segment {
     type Outcome = Segmented;
 
-    fn run(&self, files: &Files, _: &dyn Observer) -> Result<Segmented, ExperimentError> {
-        let shape = &self.run.shape;
+    fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Segmented, ExperimentError> {
+        let shape = &self.run.clone().interrupted_by(&observer.interruption()).shape;
         let Source::Picture(source) = &shape.source else {
             let message = format!("`{}` is not a picture", self.picture);
             return Err(ExperimentError::new(message).advise("give a picture (.png, .tif, .tiff)"));

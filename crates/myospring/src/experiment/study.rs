@@ -284,6 +284,10 @@ impl study::Observer<Variation> for Seen<'_> {
         self.observer.warn(&study::damaged(members, "members"));
     }
 
+    fn changed(&self, members: usize) {
+        self.observer.warn(&study::changed(members, "members"));
+    }
+
     fn finished(&self, member: &Variation, rows: &[VariationRow]) -> bool {
         for row in rows.iter().filter(|row| row.status() == Status::Failed) {
             self.observer.failed(&format!("member {}", member.name), &row.reason);

@@ -1,5 +1,7 @@
 //! Least squares within bounds: the method of Levenberg and Marquardt (`more_1978`), for a few unknowns.
 
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
 /// Steps at most.
 const STEPS: usize = 60;
 /// First damping, relative to the diagonal.
@@ -266,46 +268,33 @@ pub(super) fn normal(columns: &[Column], residuals: &[f64]) -> (Vec<Vec<f64>>, V
     (matrix, columns.iter().map(|column| column.along(residuals)).collect())
 }
 
-/// The solution of a symmetric, positive definite system (Cholesky's), scaled to a diagonal of ones; `None` if it is
-/// none.
+/// The solution of a symmetric, positive definite system, scaled to a diagonal of ones; `None` if it is none.
 pub(super) fn solve(matrix: &[Vec<f64>], right: &[f64]) -> Option<Vec<f64>> {
-    let n = right.len();
-    let scale: Vec<f64> = (0..n).map(|k| matrix[k][k].sqrt()).collect();
-    if scale.iter().any(|scale| !(*scale > 0.0 && scale.is_finite())) {
-        return None;
-    }
-    let mut lower = vec![vec![0.0; n]; n];
-    for j in 0..n {
-        for k in 0..=j {
-            let known = dot(&lower[j][..k], &lower[k][..k]);
-            let rest = matrix[j][k] / (scale[j] * scale[k]) - known;
-            lower[j][k] = if j == k {
-                // Rounding is left of what cannot be told apart.
-                if rest < 1e-13 {
-                    return None;
-                }
-                rest.sqrt()
-            } else {
-                rest / lower[k][k]
-            };
-        }
-    }
-    let mut x: Vec<f64> = right.iter().zip(&scale).map(|(value, scale)| value / scale).collect();
-    for j in 0..n {
-        x[j] = (x[j] - dot(&lower[j][..j], &x[..j])) / lower[j][j];
-    }
-    for j in (0..n).rev() {
-        let known: f64 = (j + 1..n).map(|k| lower[k][j] * x[k]).sum();
-        x[j] = (x[j] - known) / lower[j][j];
-    }
-    Some(x.iter().zip(&scale).map(|(value, scale)| value / scale).collect())
+    let (factor, scale) = factorised(matrix)?;
+    let scaled = right.iter().zip(scale.iter()).map(|(value, scale)| value / scale);
+    let solution = factor.solve(&DVector::from_iterator(right.len(), scaled));
+    Some(solution.component_div(&scale).as_slice().to_vec())
 }
 
 /// The inverse of a symmetric, positive definite matrix, if it is one.
 pub(super) fn inverse(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
-    let unit =
-        |k: usize| (0..matrix.len()).map(|j| f64::from(u8::from(j == k))).collect::<Vec<_>>();
-    (0..matrix.len()).map(|k| solve(matrix, &unit(k))).collect()
+    let (factor, scale) = factorised(matrix)?;
+    let inverse = factor.inverse().component_div(&(&scale * scale.transpose()));
+    Some(inverse.column_iter().map(|column| column.as_slice().to_vec()).collect())
+}
+
+/// The Cholesky factor of a matrix scaled to a diagonal of ones, and the roots of its diagonal.
+fn factorised(matrix: &[Vec<f64>]) -> Option<(Cholesky<f64, Dyn>, DVector<f64>)> {
+    let scale = DVector::from_fn(matrix.len(), |k, _| matrix[k][k].sqrt());
+    if scale.iter().any(|scale| !(*scale > 0.0 && scale.is_finite())) {
+        return None;
+    }
+    let scaled =
+        DMatrix::from_fn(matrix.len(), matrix.len(), |j, k| matrix[j][k] / (scale[j] * scale[k]));
+    let factor = Cholesky::new(scaled)?;
+    // Less is rounding: two unknowns that cannot be told apart.
+    let least = factor.l_dirty().diagonal().min();
+    (least * least >= 1e-13).then_some((factor, scale))
 }
 
 #[cfg(test)]

@@ -4,12 +4,12 @@
 use super::setting::Kind;
 use super::value::Value;
 use super::{Named, Problem, Run, find, table};
+use crate::parameter::alike;
 use crate::units::{self, Dimension, UnitError};
 
 const PARAMETERS: &str = "cell.parameters";
-/// Largest number of suggestions for an unknown name, and their least similarity.
+/// How many names are offered for one that does not exist.
 const OFFERED: usize = 3;
-const ALIKE: f64 = 0.7;
 
 /// A number of a run: a parameter of the cell model, or a setting that is a quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -107,14 +107,8 @@ impl Number {
                     return Err(NumberError::OtherSetting { key: other.key.to_owned() });
                 }
                 let name = name.to_owned();
-                let mut likest: Vec<(f64, &str)> = all
-                    .iter()
-                    .map(|it| (strsim::jaro_winkler(&name.to_lowercase(), it.name()), it.name()))
-                    .filter(|(likeness, _)| *likeness > ALIKE)
-                    .collect();
-                likest.sort_by(|a, b| b.0.total_cmp(&a.0));
-                likest.dedup_by_key(|(_, name)| *name);
-                let nearest = likest.into_iter().take(OFFERED).map(|(_, name)| name.to_owned());
+                let likest = alike(&name, all.iter().map(Self::name)).into_iter().take(OFFERED);
+                let nearest = likest.map(str::to_owned);
                 let model = run.cell.name().to_owned();
                 Err(NumberError::Unknown { name, model, nearest: nearest.collect() })
             }

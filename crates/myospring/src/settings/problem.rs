@@ -2,7 +2,7 @@
 
 use crate::cell::pacing::ProtocolError;
 use crate::cell::{ModelError, UnknownModel};
-use crate::parameter::ParameterError;
+use crate::parameter::{ParameterError, nearest};
 use crate::units::UnitError;
 
 /// The key that caused a problem, with its table, and the problem.
@@ -178,7 +178,8 @@ impl Problem {
     ) -> Self {
         let known: Vec<String> = known.into_iter().map(str::to_owned).collect();
         let (key, table) = (key.to_owned(), table.to_owned());
-        Self::UnknownKey { suggestion: nearest(&key, &known), key, table, known }
+        let suggestion = nearest(&key, known.iter().map(String::as_str)).map(str::to_owned);
+        Self::UnknownKey { suggestion, key, table, known }
     }
 
     /// The problem of an unknown word for a key.
@@ -189,14 +190,8 @@ impl Problem {
     ) -> Self {
         let known: Vec<String> = known.into_iter().map(str::to_owned).collect();
         let (key, word) = (key.to_owned(), word.to_owned());
-        Self::UnknownWord { suggestion: nearest(&word, &known), key, word, known }
-    }
-
-    /// The known word most similar to a written one, if any is similar.
-    pub fn nearest<'a>(written: &str, known: &[&'a str]) -> Option<&'a str> {
-        let words: Vec<String> = known.iter().map(|word| (*word).to_owned()).collect();
-        let near = nearest(written, &words)?;
-        known.iter().copied().find(|word| *word == near)
+        let suggestion = nearest(&word, known.iter().map(String::as_str)).map(str::to_owned);
+        Self::UnknownWord { suggestion, key, word, known }
     }
 
     /// How to solve it; `name` is what is written before a value.
@@ -233,15 +228,4 @@ impl Problem {
             | Self::Stimulus(_) => None,
         }
     }
-}
-
-/// The known word most similar to a written one, if any is similar.
-pub(crate) fn nearest(written: &str, known: &[String]) -> Option<String> {
-    let written = written.to_lowercase();
-    known
-        .iter()
-        .map(|word| (strsim::jaro_winkler(&written, word), word))
-        .filter(|(likeness, _)| *likeness > 0.8)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, word)| word.clone())
 }

@@ -84,7 +84,8 @@ pub struct Run {
     pub numerics: Numerics,
     /// Time simulated, ms.
     pub duration: f64,
-    /// Interrupts work on it: pacing, fibres, preparation and the run itself. Not part of any file.
+    /// What may end the work on it early: pacing, fibres, preparation and the run itself; of its picture, too, by
+    /// [`Run::interrupted_by`]. No file has it.
     pub interruption: Interruption,
 }
 
@@ -202,6 +203,16 @@ impl Run {
         usual_duration(&self.protocol, &self.numerics)
     }
 
+    /// The same run, all of whose work ends early once `interruption` asks for it, that on its picture included.
+    #[must_use]
+    pub fn interrupted_by(mut self, interruption: &Interruption) -> Self {
+        self.interruption = interruption.clone();
+        if let Some(picture) = self.shape.source.picture_mut() {
+            picture.options.segmentation.interruption = interruption.clone();
+        }
+        self
+    }
+
     /// Makes the simulation of this run on a meshed shape, with fibres and content of myofibrils
     /// from pictures and tables; `read` reads a file by its name as written.
     ///
@@ -224,7 +235,10 @@ impl Run {
         shaped: Shaped,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
     ) -> Result<Made, MakeError> {
-        let Shaped { mesh, mut report, outline, picture } = shaped;
+        let Shaped { mesh, mut report, outline, mut picture } = shaped;
+        if let Some((cells, _)) = &mut picture {
+            cells.interruption = self.interruption.clone();
+        }
         let fibres = self.fibre.on(&mesh, picture.as_ref().map(|(cells, cell)| (cells, cell)))?;
         report.warnings.extend(fibres.warnings.iter().cloned());
         let cells = picture.as_ref().map(|(cells, _)| cells);

@@ -216,6 +216,17 @@ impl<M: Member> Journal<M> {
         }
     }
 
+    /// How many of these members are done with another input than they have now: they are worked on anew.
+    pub fn changed(&self, members: &[M]) -> usize {
+        let left = self.left(members);
+        match &*self.state() {
+            State::InMemory(_) => 0,
+            State::OnDisk(journal) => {
+                left.iter().filter(|member| journal.lines.contains_key(member.name())).count()
+            }
+        }
+    }
+
     /// Returns the members that are not finished, or whose input has changed since.
     pub(super) fn left<'a>(&self, members: &'a [M]) -> Vec<&'a M> {
         let state = self.state();

@@ -14,6 +14,14 @@ pub fn damaged(count: usize, members: &str) -> String {
     )
 }
 
+/// What to say of members that were done with another input than they have now.
+pub fn changed(count: usize, members: &str) -> String {
+    format!(
+        "{count} {members} that were kept here had another input (another picture, other values by the parameters or the \
+         sampling); they are computed anew"
+    )
+}
+
 /// Is told about the progress of a study; `()` ignores it.
 pub trait Observer<M: Member>: Sync {
     /// Called when the study begins: the number of members finished before, and of all members.
@@ -21,6 +29,9 @@ pub trait Observer<M: Member>: Sync {
 
     /// Called with the number of members whose results are damaged and computed again.
     fn damaged(&self, _members: usize) {}
+
+    /// How many members were done with another input than they have now, and are computed anew.
+    fn changed(&self, _members: usize) {}
 
     /// Called after a member was finished and recorded in the journal; `false` stops the study.
     fn finished(&self, _member: &M, _rows: &[M::Row]) -> bool {

@@ -68,6 +68,10 @@ pub fn run_together<M: Member>(
     if journal.damaged() > 0 {
         observer.damaged(journal.damaged());
     }
+    let changed = journal.changed(members);
+    if changed > 0 {
+        observer.changed(changed);
+    }
     observer.begins(resumed, members.len());
     let last_table = Mutex::new(Instant::now());
     let group = |group: &[&M]| {

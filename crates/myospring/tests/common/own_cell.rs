@@ -10,7 +10,7 @@
 use myospring::cell::pacing::Stimulus;
 use myospring::cell::{
     CellModel, Gate, InFits, Input, ModelError, Moved, Output, StateVariable, Stimulation,
-    TensionKind,
+    TensionKind, required,
 };
 use myospring::parameter::{Parameter, ParameterSet};
 use std::sync::Arc;
@@ -118,7 +118,7 @@ pub(crate) fn stiff() -> OwnCell {
 impl OwnCell {
     pub(crate) fn new(compartments: usize, parameters: ParameterSet) -> Result<Self, ModelError> {
         let name = format!("own_{compartments}");
-        let read = |of: &str| parameters.get(of).ok_or_else(|| ModelError::missing(&name, of));
+        let read = |of: &str| required(&name, &parameters, of);
         let (buffer, binding, release) = (read("B_tot")?, read("k_on")?, read("k_off")?);
         let bound = buffer * RESTING_CALCIUM / (RESTING_CALCIUM + release / binding);
         let variable = |name: String, unit: &'static str, start, meaning: String| StateVariable {

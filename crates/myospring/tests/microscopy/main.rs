@@ -29,6 +29,7 @@ mod fuzz_corpus;
 mod headline;
 mod heart_cells;
 mod hot_pixels;
+mod interruption;
 mod marks;
 mod masks;
 mod motion;

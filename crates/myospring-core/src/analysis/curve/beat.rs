@@ -5,6 +5,7 @@ use super::detect::Found;
 use super::upstroke::{self, Upstroke};
 use crate::analysis::holes::Hole;
 use crate::analysis::kind::{Family, Kind};
+use crate::analysis::order::median;
 use crate::analysis::pulse::{Pulse, Top};
 use crate::analysis::rows::{Context, row};
 use crate::analysis::trace::Point;
@@ -632,8 +633,5 @@ fn mean(values: &[f64]) -> f64 {
 
 /// Median time between neighbouring peaks.
 fn median_distance(times: &[f64], peaks: &[usize]) -> Option<f64> {
-    let mut distances: Vec<f64> =
-        peaks.windows(2).map(|pair| times[pair[1]] - times[pair[0]]).collect();
-    distances.sort_by(f64::total_cmp);
-    distances.get(distances.len() / 2).copied()
+    median(peaks.windows(2).map(|pair| times[pair[1]] - times[pair[0]]))
 }

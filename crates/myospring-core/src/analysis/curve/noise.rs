@@ -1,11 +1,11 @@
 //! Noise, bad frames and mains hum of a curve.
 
+use super::super::order;
 use std::f64::consts::TAU;
 
-/// The median; the upper of the two middle values for an even number, 0 for an empty list.
-pub(super) fn median(mut list: Vec<f64>) -> f64 {
-    list.sort_by(f64::total_cmp);
-    list.get(list.len() / 2).copied().unwrap_or(0.0)
+/// The median, 0 of no values.
+pub(super) fn median(list: Vec<f64>) -> f64 {
+    order::median(list).unwrap_or(0.0)
 }
 
 /// Weights of the fourth difference, and the root of the sum of their squares. It vanishes for

@@ -2,7 +2,7 @@
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use super::parameters::parameters;
-use crate::cell::description::{ModelError, StateVariable};
+use crate::cell::description::{ModelError, StateVariable, required};
 use crate::cell::number::Number;
 use crate::parameter::ParameterSet;
 use std::borrow::Cow;
@@ -91,7 +91,7 @@ impl Myofilaments {
     /// # Errors
     /// A parameter is missing, or no crossbridges would be unbound.
     pub fn new(model: &str, parameters: &ParameterSet) -> Result<Self, ModelError> {
-        let read = |name| parameters.get(name).ok_or_else(|| ModelError::missing(model, name));
+        let read = |name| required(model, parameters, name);
         let [k_u, n_tm, trpn50] = [read("k_u")?, read("n_Tm")?, read("TRPN50")?];
         let [k_uw, k_ws, r_w, r_s] = [read("k_uw")?, read("k_ws")?, read("r_w")?, read("r_s")?];
         let [phi, a_tot] = [read("phi")?, read("A_tot")?];

@@ -1,6 +1,6 @@
 //! The electrical half of the minimal model: Eqs. (18)-(31) and their 28 parameters.
 
-use crate::cell::description::ModelError;
+use crate::cell::description::{ModelError, required};
 use crate::parameter::{Parameter, ParameterSet};
 
 /// Heaviside step with `H(0) = 1/2`.
@@ -56,9 +56,7 @@ macro_rules! electrical {
             /// A parameter is missing.
             pub fn new(model: &str, parameters: &ParameterSet) -> Result<Self, ModelError> {
                 Ok(Self {
-                    $($name: parameters
-                        .get(stringify!($name))
-                        .ok_or_else(|| ModelError::missing(model, stringify!($name)))?,)*
+                    $($name: required(model, parameters, stringify!($name))?,)*
                 })
             }
         }

@@ -2,6 +2,7 @@
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
 use super::table::table;
+use crate::cell::description::{ModelError, required};
 use crate::parameter::{Parameter, ParameterSet};
 
 /// Name, unit, values of endo, epi and mid, meaning.
@@ -116,16 +117,9 @@ pub(super) fn rows(cell: usize, tau_j_ca: f64) -> Vec<Parameter> {
     ROWS.iter().map(row).collect()
 }
 
-/// The values of a set, or the name of a missing one.
-pub(super) fn read(set: &ParameterSet) -> Result<Parameters<f64>, &'static str> {
-    let mut missing = None;
-    let mut names = ROWS.iter().map(|row| row.0);
-    let parameters = Parameters::take(&mut || {
-        let name = names.next().unwrap_or_default();
-        set.get(name).unwrap_or_else(|| {
-            missing = missing.or(Some(name));
-            f64::NAN
-        })
-    });
-    missing.map_or(Ok(parameters), Err)
+/// The values of a model's set.
+pub(super) fn read(model: &str, set: &ParameterSet) -> Result<Parameters<f64>, ModelError> {
+    let values = ROWS.iter().map(|row| required(model, set, row.0));
+    let mut values = values.collect::<Result<Vec<f64>, _>>()?.into_iter();
+    Ok(Parameters::take(&mut || values.next().unwrap_or(f64::NAN)))
 }

@@ -211,10 +211,9 @@ impl Job {
                 input::settle(path.as_deref(), overrides, files, interruption)?
             }
             What::Settings(file) => {
-                let mut run =
+                let run =
                     file.resolve().map_err(|error| ExperimentError::of_run_file(&error, None))?;
-                run.interruption = interruption.clone();
-                (run.shape.name().to_owned(), run)
+                (run.shape.name().to_owned(), run.interrupted_by(interruption))
             }
             What::Results(folder) => {
                 input::settle(Some(&folder.join(RUN_FILE)), &[], files, interruption)?

@@ -77,8 +77,9 @@ pub struct FrameFibres {
 impl Experiment for ReadFrame {
     type Outcome = Frame;
 
-    fn run(&self, files: &Files, _: &dyn Observer) -> Result<Frame, ExperimentError> {
-        let Source::Picture(source) = &self.run.shape.source else {
+    fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Frame, ExperimentError> {
+        let run = self.run.clone().interrupted_by(&observer.interruption());
+        let Source::Picture(source) = &run.shape.source else {
             let message = format!("`{}` is not a picture", self.picture);
             return Err(ExperimentError::new(message).advise("give a picture (.png, .tif, .tiff)"));
         };

@@ -3,8 +3,9 @@
 use super::super::StudyError;
 use super::super::sampling::SamplingError;
 use super::super::sensitivity::SensitivityError;
+use crate::parameter::nearest;
 use crate::run_file::RunFileError;
-use crate::settings::{NumberError, ShapeError, nearest};
+use crate::settings::{NumberError, ShapeError};
 use crate::units::UnitError;
 
 /// Why a study of parameters was not read or not begun.
@@ -165,8 +166,7 @@ pub enum ParameterStudyError {
 
 /// A hint at the metric that may be meant.
 fn hint(name: &str, known: &[&'static str]) -> String {
-    let words: Vec<String> = known.iter().map(|word| (*word).to_owned()).collect();
-    match nearest(name, &words) {
+    match nearest(name, known.iter().copied()) {
         Some(near) => format!("; did you mean `{near}`?"),
         None => format!("; there are {}", known.join(", ")),
     }

@@ -110,8 +110,7 @@ impl Common {
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
         shaped: Option<&Shaped>,
     ) -> Result<Self, ParameterStudyError> {
-        let interruption = study.interruption.clone();
-        let run = Run { interruption, ..study.run.resolve()? };
+        let run = study.run.resolve()?.interrupted_by(&study.interruption);
         let at_rest = run.cell.initial_state();
         let in_mv = run.cell.membrane_potential_mv(&at_rest).is_some();
         let quantities = match study.kind {
@@ -388,7 +387,7 @@ impl Common {
     /// The simulation of a run, on the mesh that members share or on its own.
     fn ready(&self, file: &RunFile, interruption: &Interruption) -> Result<Ready, Cause> {
         let body = self.body.as_ref().ok_or("cells have no mesh")?;
-        let run = Run { interruption: interruption.clone(), ..file.resolve()? };
+        let run = file.resolve()?.interrupted_by(interruption);
         let mut simulation = self.simulation(body, &run)?;
         if !file.has("numerics.frame_interval") {
             // Nobody looks at the shapes in between.

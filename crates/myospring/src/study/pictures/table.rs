@@ -2,7 +2,8 @@
 
 use super::Picture;
 use crate::measured::decoded;
-use crate::settings::{Kind, Setting, Value, nearest, table};
+use crate::parameter::nearest;
+use crate::settings::{Kind, Setting, Value, table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -266,8 +267,8 @@ fn columns(names: &csv::StringRecord, table: &str) -> Result<Vec<Option<Column>>
         // Spreadsheets add columns without a name.
         if column.is_none() && !name.is_empty() {
             let known = settings().filter(|setting| setting.option.is_some()).map(Setting::name);
-            let known: Vec<String> = known.chain([FILE[0], GROUP]).map(str::to_owned).collect();
-            let suggestion = nearest(&plain(name), &known);
+            let suggestion = nearest(&plain(name), known.chain([FILE[0], GROUP]));
+            let suggestion = suggestion.map(str::to_owned);
             let (table, name) = (table.to_owned(), name.to_owned());
             return Err(TableError::UnknownColumn { table, column: at + 1, name, suggestion });
         }
