@@ -179,7 +179,7 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
             &["`speck.png` has [40, 40] pixels", "[80, 80]", "same frame"],
         ),
         (vec!["run", "--integrator", "quasistatic"], &["did you mean `quasi-static`?"]),
-        (vec!["run", "--support", "elastic-bed"], &["bed_stiffness` is missing", "kPa/um"]),
+        (vec!["run", "--support", "spring-held-ends"], &["end_stiffness` is missing", "nN/um"]),
         (
             vec!["run", "--bed-stiffness", "1 kPa/um"],
             &["--bed-stiffness", "support = \"elastic-bed\""],

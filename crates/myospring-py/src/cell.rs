@@ -4,17 +4,21 @@ use crate::waiting::interruptible;
 use crate::{errors, settings, words};
 use ciborium::{from_reader, into_writer};
 use myospring::experiment::Files;
+use myospring::experiment::track::Followed;
 use myospring::mesh::Mesh;
 use myospring::mesh::quality::MeshReport;
 use myospring::output::{figure, files};
 use myospring::run_file::RunFile;
-use myospring::settings::{ShapeBytes, Shaped};
+use myospring::settings::{ShapeBytes, Shaped, Source, table};
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
 use std::io;
 use std::sync::Arc;
+
+/// Name of the frame at rest of a film.
+pub(crate) const REST: &str = "rest.tif";
 
 /// A cell that was found and meshed.
 #[pyclass(frozen, module = "myospring._native")]
@@ -156,6 +160,26 @@ impl Cell {
         files.extend(drawn.map(str::to_owned).zip(bytes.outline.clone()));
         let name = run.shape.name().to_owned();
         Ok(Self(Arc::new(Inner { file, files, bytes, shaped, name })))
+    }
+
+    /// The cell of a film at rest.
+    pub(crate) fn of_film(followed: &Followed, read: &Files) -> Self {
+        let Followed { run, rest_picture, shaped, .. } = followed;
+        let mut run = run.clone();
+        let mut files = BTreeMap::from([(REST.to_owned(), rest_picture.clone())]);
+        let mut bytes = ShapeBytes { shape: rest_picture.clone(), outline: None };
+        if let Source::Picture(source) = &mut run.shape.source {
+            REST.clone_into(&mut source.path);
+            bytes.outline = source.outline.as_ref().and_then(|path| read.bytes(path).ok());
+            files.extend(source.outline.clone().zip(bytes.outline.clone()));
+        }
+        let (whole, mut file) = (run.to_run_file(), RunFile::default());
+        for setting in table().filter(|setting| settings::is_of_cell(setting)) {
+            // What a run says of itself can be said of it.
+            whole.get(setting.key).and_then(|value| file.set(setting.key, value.clone()).ok());
+        }
+        let (shaped, name) = (shaped.clone(), followed.run.shape.name().to_owned());
+        Self(Arc::new(Inner { file, files, bytes, shaped, name }))
     }
 }
 

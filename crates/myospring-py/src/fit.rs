@@ -1,14 +1,17 @@
 //! Fits: a cell's own parameters from its measured curves.
 
-use crate::cell::Cell;
+use crate::cell::{Cell, REST};
+use crate::experiment::{self, Progress};
+use crate::tension_map::TensionMap;
 use crate::waiting::interruptible;
 use crate::{beat, errors, settings, words};
-use myospring::fit::{self, FitError, Loaded, Observed, Settings, Unknown};
+use myospring::experiment::fit::{Fit, Fits, Shapes, between_springs, observed, of_table};
+use myospring::experiment::{Beats, Files};
+use myospring::fit::{self, FitError, Loaded, Sought};
 use myospring::measured::{self, Column, Curve, Kind, Options, ReadError};
-use myospring::mechanics::support::SupportKind;
 use myospring::output::files;
 use myospring::output::json;
-use myospring::settings::Run;
+use myospring::settings::{Run, Source};
 use myospring::study::Threads;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -81,6 +84,20 @@ pub(crate) struct Asked {
     stimulus_times_ms: Option<Vec<f64>>,
 }
 
+impl Asked {
+    fn sought(&self) -> Sought {
+        let Self { free, fix, bounds, starts, seed, .. } = self;
+        let bounds = bounds.iter().map(|(name, (low, high))| (name.clone(), [*low, *high]));
+        let (free, fix, bounds) = (free.clone(), fix.clone(), bounds.collect());
+        Sought { free, fix, bounds, starts: *starts, seed: *seed }
+    }
+
+    fn beats(&self) -> Beats {
+        let stimuli_ms = self.stimulus_times_ms.clone().unwrap_or_default();
+        Beats { stimuli_ms, ..Beats::default() }
+    }
+}
+
 /// One cell, ready to be fitted.
 #[pyclass(frozen, module = "myospring._native")]
 pub(crate) struct Fitter {
@@ -108,14 +125,7 @@ pub(crate) fn read_curves(
         let [times, values] = [curve.times_ms, curve.values].map(|all| PyArray1::from_vec(py, all));
         (curve.name, curve.kind.word(), curve.unit, times, values, curve.stimuli_ms)
     };
-    let mut notes = table.notes;
-    let taken = if options.values.is_empty() && options.kind.is_none() {
-        let (taken, note) = fit::of_each_cell(table.curves);
-        notes.extend(note);
-        taken
-    } else {
-        table.curves
-    };
+    let (taken, notes) = of_table(table, &options);
     let notes = notes.iter().map(|note| words::in_python(note)).collect();
     Ok((taken.into_iter().map(curve).collect(), notes))
 }
@@ -144,28 +154,18 @@ impl Fitter {
         asked: Asked,
         threads: Option<usize>,
     ) -> PyResult<(String, String)> {
-        let stimuli = asked.stimulus_times_ms.as_deref();
+        let beats = asked.beats();
         let own = self.fits.simulation().support;
-        let mut curves = vec![Loaded { support: own, observed: observed(curve, stimuli)? }];
+        let mut curves = vec![Loaded {
+            support: own,
+            observed: observed(&self::curve(curve)?, &beats).map_err(errors::value)?,
+        }];
         for (stiffness, curve) in loaded {
-            if !(stiffness > 0.0 && stiffness.is_finite()) {
-                let message = format!("a spring of {stiffness} nN/um; it must be above 0");
-                return Err(errors::value(message));
-            }
-            let mut observed = observed(curve, stimuli)?;
-            observed.name = format!("{stiffness} nN/um");
-            curves.push(Loaded { support: SupportKind::SpringHeldEnds { stiffness }, observed });
+            let curve = between_springs(stiffness, &self::curve(curve)?, &beats);
+            curves.push(curve.map_err(|error| errors::of_experiment(&error))?);
         }
-        let cell = &*self.run.cell;
-        let free = Settings::asked(cell, &asked.free, &asked.fix, curves.len() > 1);
-        let bound =
-            |(name, (low, high)): &(String, (f64, f64))| (Unknown::named(name), [*low, *high]);
-        let settings = Settings {
-            free: Some(free.map_err(|error| of_fit(py, &error))?),
-            bounds: asked.bounds.iter().map(bound).collect(),
-            starts: asked.starts,
-            seed: asked.seed,
-        };
+        let settings = asked.sought().settings(&*self.run.cell, curves.len() > 1);
+        let settings = settings.map_err(|error| of_fit(py, &error))?;
         let threads = Threads::new(threads).map_err(errors::value)?;
         let found = interruptible(py, |interruption| {
             let fits = self.fits.interrupted_by(interruption.clone());
@@ -180,6 +180,95 @@ impl Fitter {
     }
 }
 
+/// The cell of a film, fitted.
+#[pyclass(frozen, module = "myospring._native")]
+pub(crate) struct FilmFit {
+    fits: Fits,
+    cell: Py<Cell>,
+    files: Files,
+}
+
+/// Fits the cell of a film to its own motion; `given` are settings by key.
+#[pyfunction]
+#[pyo3(signature = (film, given, reading, asked, threads, progress))]
+pub(crate) fn fit_film(
+    py: Python<'_>,
+    film: PathBuf,
+    given: &Bound<'_, PyDict>,
+    reading: Reading,
+    asked: Asked,
+    threads: Option<usize>,
+    progress: Progress,
+) -> PyResult<FilmFit> {
+    let fit = Fit {
+        to: vec![film],
+        settings: settings::list(given)?,
+        table: reading.options()?,
+        beats: asked.beats(),
+        sought: asked.sought(),
+        threads,
+        ..Fit::default()
+    };
+    let files = Files::default();
+    let fits = experiment::run(py, &fit, &files, progress)?;
+    let Some(film) = &fits.film else { return Err(errors::value("this is no film")) };
+    let cell = Py::new(py, Cell::of_film(&film.followed, &files))?;
+    Ok(FilmFit { fits, cell, files })
+}
+
+#[pymethods]
+impl FilmFit {
+    /// The cell of the film at rest.
+    #[getter]
+    fn cell(&self, py: Python<'_>) -> Py<Cell> {
+        self.cell.clone_ref(py)
+    }
+
+    /// Name of the curve, the fit (JSON), and the run file that repeats it.
+    #[getter]
+    fn found(&self) -> PyResult<(String, String, String)> {
+        let (cell, found) =
+            self.fits.fitted().next().ok_or_else(|| errors::value("nothing was fitted"))?;
+        let text = json::pretty(found).map_err(errors::value)?;
+        let fitted = self.fits.fitted_run(found).map_err(|error| errors::of_experiment(&error))?;
+        let (mut run, spacing) = fitted;
+        if let Source::Picture(source) = &mut run.shape.source {
+            REST.clone_into(&mut source.path);
+        }
+        Ok((cell.name.clone(), text, run.settled(spacing, None).to_toml()))
+    }
+
+    /// What was assumed, and what was odd.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.fits.notes.iter().map(|text| words::in_python(text)).collect()
+    }
+
+    /// Where the cell pulls.
+    #[getter]
+    fn tension_map(&self, py: Python<'_>) -> Option<TensionMap> {
+        let map = self.fits.map.clone()?;
+        Some(TensionMap { map, cell: self.cell.clone_ref(py), files: self.files.clone() })
+    }
+
+    /// How far the fitted shape is from the film's, in a sentence.
+    #[getter]
+    fn shapes(&self) -> Option<String> {
+        self.fits.shapes.as_ref().map(Shapes::words)
+    }
+
+    /// Writes what `myospring fit` writes; the folder, and what was odd.
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn save(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        force: bool,
+    ) -> PyResult<(PathBuf, Vec<String>)> {
+        experiment::save(py, &self.fits, &folder, force, &self.files)
+    }
+}
+
 fn kind(word: &str) -> PyResult<Kind> {
     Kind::of_word(word).ok_or_else(|| {
         let words: Vec<&str> = Kind::ALL.iter().map(|kind| kind.word()).collect();
@@ -189,10 +278,6 @@ fn kind(word: &str) -> PyResult<Kind> {
 
 /// Units that curves may have; a name of theirs is what the library keeps.
 const UNITS: [&str; 12] = ["um", "px", "%", "", "a.u.", "nN", "kPa", "uM", "mV", "1", "nm", "mm"];
-
-fn observed(curve: Measured, stimuli: Option<&[f64]>) -> PyResult<Observed> {
-    Observed::of(&self::curve(curve)?, stimuli).map_err(errors::value)
-}
 
 /// A curve of arrays.
 pub(crate) fn curve(curve: Measured) -> PyResult<Curve> {

@@ -22,6 +22,7 @@ mod presets;
 mod segment;
 mod settings;
 mod study;
+mod tension_map;
 mod track;
 mod waiting;
 mod whole_frame;
@@ -44,6 +45,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<beat::Beat>()?;
     module.add_class::<fit::Fitter>()?;
     module.add_class::<analyse::Analysis>()?;
+    module.add_class::<fit::FilmFit>()?;
+    module.add_class::<tension_map::TensionMap>()?;
     module.add_class::<compare::Comparison>()?;
     module.add_class::<track::Motion>()?;
     module.add_class::<study::Study>()?;
@@ -55,6 +58,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(beat::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(beat::repeat, module)?)?;
     module.add_function(wrap_pyfunction!(fit::read_curves, module)?)?;
+    module.add_function(wrap_pyfunction!(fit::fit_film, module)?)?;
+    module.add_function(wrap_pyfunction!(tension_map::tension_map, module)?)?;
     module.add_function(wrap_pyfunction!(batch::simulate_batch, module)?)?;
     module.add_function(wrap_pyfunction!(action_potential::action_potential, module)?)?;
     module.add_function(wrap_pyfunction!(analyse::analyse, module)?)?;

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 /// Options of the program that are no settings: name, argument here, and words that may follow as a value. Those of an
 /// empty argument have no counterpart: what they say is done by arrays.
-const OF_TABLES: [(&str, &str, &[&str]); 26] = [
+const OF_TABLES: [(&str, &str, &[&str]); 30] = [
     ("--columns", "columns", &[]),
     ("--time", "time", &[]),
     ("--kind", "kind", &["contraction"]),
@@ -25,6 +25,10 @@ const OF_TABLES: [(&str, &str, &[&str]); 26] = [
     ("--ignore-marks", "ignore_marks=True", &[]),
     ("--skip-gaps", "skip_gaps=True", &[]),
     ("--mean", "mean=True", &[]),
+    ("--free", "free", &[]),
+    ("--fix", "fix", &[]),
+    ("--bounds", "bounds", &[]),
+    ("--loaded", "loaded", &[]),
     ("--force", "force=True", &[]),
     ("--outputs", "outputs", &["frames", "gif"]),
     ("--scale", "scale", &[]),

@@ -13,6 +13,7 @@ pub mod compare;
 mod error;
 mod fibres;
 mod files;
+pub mod fit;
 mod folder;
 pub mod input;
 pub mod inputs;
@@ -26,6 +27,7 @@ pub mod run;
 pub mod segment;
 pub mod study;
 pub mod tables;
+pub mod tension_map;
 pub mod track;
 
 pub use beats::Beats;

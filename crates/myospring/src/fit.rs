@@ -58,5 +58,5 @@ pub use choice::of_each_cell;
 pub use error::FitError;
 pub use fitter::{Fitter, Loaded};
 pub use observed::{Observed, Scale, Stimuli};
-pub use settings::Settings;
+pub use settings::{Settings, Sought};
 pub use unknown::Unknown;

@@ -64,9 +64,11 @@ mod grid;
 mod least;
 mod map;
 mod observed_peak;
+mod peak_shapes;
 mod smoothing;
 mod words;
 
 pub use error::TensionMapError;
 pub use map::{EVEN, TensionMap};
-pub use observed_peak::{NEAR, ObservedPeak};
+pub use observed_peak::ObservedPeak;
+pub use peak_shapes::PeakShapes;

@@ -155,6 +155,19 @@ fn the_authors_step_takes_their_step_stimulus_and_normalisation() {
 }
 
 #[test]
+fn a_bed_of_no_stated_stiffness_has_the_usual_one_and_the_run_says_so() {
+    let of = |text: &str| RunFile::from_text(text).unwrap().resolve().unwrap();
+    let silent = of("[mechanics]\nsupport = \"elastic-bed\"");
+    assert_eq!(silent.support, SupportKind::ElasticBed { stiffness: 0.5 });
+    let said = silent.assumed.join("\n");
+    assert!(said.contains("0.5 kPa/um is assumed") && said.contains("--bed-stiffness"), "{said}");
+    let stated = of("[mechanics]\nsupport = \"elastic-bed\"\nbed_stiffness = \"0.5 kPa/um\"");
+    assert!(stated.assumed.is_empty());
+    // What repeats the run states it.
+    assert!(silent.to_run_file().resolve().unwrap().assumed.is_empty());
+}
+
+#[test]
 fn another_support_on_the_command_line_drops_the_stiffness_of_the_old_one() {
     let text = "[mechanics]\nsupport = \"elastic-bed\"\nbed_stiffness = \"0.5 kPa/um\"";
     let reader = myospring::run_file::Reader::new().text("gel.toml", text).unwrap();

@@ -25,6 +25,7 @@ from myospring._pictures import Batch, batch
 from myospring._presets import presets, simulate_preset
 from myospring._segment import SegmentedCell, Segmentation, segment
 from myospring._study import Index, Morris, Sobol, StudyResult, run_study
+from myospring._tension_map import TensionMap, tension_map
 from myospring._track import Motion, track
 from myospring._whole_frame import WholeFrame, whole_frame
 
@@ -53,6 +54,7 @@ __all__ = [
     "SimulationError",
     "Sobol",
     "StudyResult",
+    "TensionMap",
     "UnknownNameError",
     "WholeFrame",
     "__version__",
@@ -69,6 +71,7 @@ __all__ = [
     "segment",
     "simulate",
     "simulate_batch",
+    "tension_map",
     "simulate_preset",
     "track",
     "whole_frame",

@@ -8,7 +8,8 @@ import os
 from dataclasses import dataclass, fields
 from functools import cached_property
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Sequence, Union
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Callable, Mapping, NamedTuple, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,8 +18,9 @@ from myospring import _native
 from myospring._beat import Beat, ended
 from myospring._cell import Cell, cell_of
 from myospring._errors import warn
-from myospring._functions import BEAT_KEYS, BeatSettings
+from myospring._functions import BEAT_KEYS
 from myospring._given import changed, floats
+from myospring._tension_map import FilmSettings, TensionMap, given_of_film
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -119,7 +121,11 @@ class Fit:
     run_file : str
         Run file (TOML) of the fitted cell, for ``myospring run``.
     notes : list of str
-        What was assumed when the curve was read.
+        What was assumed when the curve was read; of a film what is odd about it.
+    tension_map : TensionMap or None
+        Of a film where its cell pulls.
+    shapes : str or None
+        Of a film how far the fitted cell is from the measured one at the peak, in a sentence.
     """
 
     def __init__(self, cell: Cell, name: str, text: str, run_file: str, notes: Sequence[str] = ()) -> None:
@@ -127,7 +133,18 @@ class Fit:
         self.name = name
         self.run_file = run_file
         self.notes = list(notes)
+        self.tension_map: TensionMap | None = None
+        self.shapes: str | None = None
         self._text = text
+        self._native: _native.FilmFit | None = None
+
+    @classmethod
+    def _of_film(cls, native: _native.FilmFit) -> Fit:
+        made = cls(Cell(native.cell), *native.found, native.notes)
+        made.tension_map = None if native.tension_map is None else TensionMap(native.tension_map)
+        made.shapes = native.shapes
+        made._native = native
+        return made
 
     @cached_property
     def _record(self) -> dict[str, Any]:
@@ -269,6 +286,38 @@ class Fit:
         """
         return ended(Beat(self.cell, _native.repeat(self.cell._native, self.run_file, threads)))
 
+    def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
+        """Writes what ``myospring fit`` writes of a film: numbers, curves, run file, figures, report, map and track.
+
+        Parameters
+        ----------
+        folder : path
+            Made if it is not there.
+        force : bool
+            Replaces results that the folder holds. Refused where it holds anything that no command wrote, or that was
+            changed since; a file that was read is never replaced.
+
+        Returns
+        -------
+        pathlib.Path
+            The folder.
+
+        Raises
+        ------
+        OSError
+            The folder holds files, or cannot be written to.
+        ValueError
+            The fit is of a curve, not of a film, or it was pickled.
+        """
+        if self._native is None:
+            raise ValueError(
+                "only a fit of a film is saved, by the process that made it; of others `run_file` repeats the beat, and "
+                "simulate().save(folder) writes it"
+            )
+        saved, said = self._native.save(os.fspath(folder), force)
+        warn(said)
+        return Path(saved)
+
     def __repr__(self) -> str:
         numbers = ", ".join(f"{name} {self._amount(one)}" for name, one in self.parameters.items())
         return f"<myospring.Fit of {self.name}, {self.verdict}: {numbers}>"
@@ -386,9 +435,10 @@ def asked_and_given(
 
 
 def fit(
-    curve: Curve,
+    curve: Curve | None = None,
     cell: Cell | None = None,
     *,
+    film: str | PathLike[str] | None = None,
     free: Sequence[str] | None = None,
     fix: Sequence[str] | Mapping[str, float | str] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
@@ -410,16 +460,21 @@ def fit(
     mean: bool = False,
     skip_gaps: bool = False,
     threads: int | None = None,
-    **settings: Unpack[BeatSettings],
+    progress: Callable[[str, int, int], object] | None = None,
+    **settings: Unpack[FilmSettings],
 ) -> Fit:
     """Fits a cell's own parameters to its measured curve, with confidence intervals, as ``myospring fit`` does.
 
     Parameters
     ----------
     curve : path, or times and values
-        A table of one curve, as laboratory programs export it; or two arrays, times in ms and values.
+        A table of one curve, as laboratory programs export it; or two arrays, times in ms and values. None: `film` gives
+        it.
     cell : Cell or None
-        The cell's shape; None: the built-in one.
+        The cell's shape; None: the built-in one, or that of the film.
+    film : path or None
+        A film, or a folder of its frames, instead of a curve: its cell is followed, fitted to its own stretch (`columns`
+        names another curve of ``track.csv``), compared with the fitted one, and mapped (`Fit.tension_map`).
     free : sequence of str or None
         Parameters to fit besides tension over stiffness, delays and the length at rest; None: those that a curve
         determines, ``c_0`` or ``k_ws``.
@@ -455,8 +510,12 @@ def fit(
         Whether to use the mean of all columns; whether to skip frames without a number.
     threads : int or None
         Number of starts and profiles computed at a time; None: the number of cores. It does not change the results.
+    progress : callable or None
+        For a film: is called with the stage, the steps that are done, and all steps.
     **settings
-        Known properties of the cell: the settings of `simulate`, with its names, units and defaults, ``model`` first.
+        Known properties of the cell: the settings of `simulate`, with its names, units and defaults, ``model`` first. For
+        a film also those of `Cell.from_image`, which find the cell in the frame at rest; ``outline`` says which, where
+        there are several.
 
     Returns
     -------
@@ -483,7 +542,18 @@ def fit(
     (True, 'determined')
     """
     reading = Reading.among(locals())
-    asked, given = asked_and_given("fit", free, fix, bounds, starts, seed, stimulus_times_ms, dict(settings))
+    named: dict[str, Any] = dict(settings)
+    of_film = {} if film is None else {name: named.pop(name) for name in list(named) if name not in BEAT_KEYS}
+    asked, given = asked_and_given("fit", free, fix, bounds, starts, seed, stimulus_times_ms, named)
+    if film is not None:
+        if not (curve is None and cell is None and not loaded):
+            raise ValueError("film gives the curve and the cell; leave curve, cell and loaded out")
+        given |= given_of_film("fit", pixel_size_um, of_film)
+        found = Fit._of_film(_native.fit_film(os.fspath(film), given, reading.by_name(), asked, threads, progress))
+        warn([*found.notes, *found.verdicts, *(found.tension_map.warnings if found.tension_map else ())])
+        return found
+    if curve is None:
+        raise ValueError("there is nothing to fit to: give a curve, or a film")
     one, notes = _single(reading, curve, "curve")
     between = []
     for stiffness, other in (loaded or {}).items():

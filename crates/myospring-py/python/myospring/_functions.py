@@ -328,7 +328,8 @@ def simulate(
         above 0 nN/um, at most 100000000 nN/um.
     bed_stiffness_kpa_per_um : float or None
         Stiffness of an "elastic-bed", traction per displacement: for a thin layer its shear modulus
-        divided by its thickness. In kPa/um, above 0 kPa/um, at most 1000000 kPa/um.
+        divided by its thickness. In kPa/um, above 0 kPa/um, at most 1000000 kPa/um. None: "0.5
+        kPa/um" for an elastic bed, with a warning.
     integrator : {"verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"}, default "verlet"
         How the shape follows the tension: in time by Verlet's method ("verlet" is the paper's
         form), or along its equilibria.

@@ -11,6 +11,8 @@ __all__ = [
     "Cell",
     "Beat",
     "Fitter",
+    "FilmFit",
+    "TensionMap",
     "Analysis",
     "Comparison",
     "Motion",
@@ -21,6 +23,8 @@ __all__ = [
     "simulate",
     "repeat",
     "read_curves",
+    "fit_film",
+    "tension_map",
     "simulate_batch",
     "analyse",
     "segment",
@@ -170,6 +174,36 @@ class Motion:
     ) -> tuple[str | PathLike[str], list[str]]: ...
 
 @final
+class FilmFit:
+    @property
+    def cell(self) -> Cell: ...
+    @property
+    def found(self) -> tuple[str, str, str]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def tension_map(self) -> TensionMap | None: ...
+    @property
+    def shapes(self) -> str | None: ...
+    def save(self, folder: str | PathLike[str], force: bool) -> tuple[str | PathLike[str], list[str]]: ...
+
+@final
+class TensionMap:
+    @property
+    def cell(self) -> Cell: ...
+    @property
+    def numbers(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def headline(self) -> str: ...
+    def columns(self) -> list[tuple[str, NDArray[np.float64]]]: ...
+    @property
+    def positions(self) -> NDArray[np.float64]: ...
+    def svg(self) -> str: ...
+    def save(self, folder: str | PathLike[str], force: bool) -> tuple[str | PathLike[str], list[str]]: ...
+
+@final
 class Study:
     def __new__(
         cls,
@@ -291,6 +325,20 @@ def track(
     threads: int | None,
     progress: Callable[[str, int, int], object] | None,
 ) -> Motion: ...
+def fit_film(
+    film: str | PathLike[str],
+    given: dict[str, Any],
+    reading: dict[str, Any],
+    asked: dict[str, Any],
+    threads: int | None,
+    progress: Callable[[str, int, int], object] | None,
+) -> FilmFit: ...
+def tension_map(
+    film: str | PathLike[str],
+    given: dict[str, Any],
+    frame_rate_per_s: float | None,
+    progress: Callable[[str, int, int], object] | None,
+) -> TensionMap: ...
 def simulate_batch(
     cell: Cell,
     given: dict[str, Any],

@@ -5,6 +5,58 @@ use super::unknown::Unknown;
 use crate::cell::CellModel;
 use std::collections::BTreeMap;
 
+/// What is sought, by the names that people write.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sought {
+    /// What is sought beside tension over stiffness; none: what a curve tells ([`Settings::usual`]), and with a curve
+    /// under a known load the stiffness.
+    pub free: Vec<String>,
+    /// What is not sought of these.
+    pub fix: Vec<String>,
+    /// Bounds other than the usual ones, in the unit of each unknown.
+    pub bounds: Vec<(String, [f64; 2])>,
+    /// How many starts.
+    pub starts: usize,
+    /// Decides the starts.
+    pub seed: u64,
+}
+
+impl Default for Sought {
+    fn default() -> Self {
+        let Settings { starts, seed, .. } = Settings::default();
+        Self { free: Vec::new(), fix: Vec::new(), bounds: Vec::new(), starts, seed }
+    }
+}
+
+impl Sought {
+    /// The settings for a cell model; `loaded` says whether there is a curve under a known load.
+    ///
+    /// # Errors
+    /// A name to fix or to bound that is not sought anyway.
+    pub fn settings(&self, cell: &dyn CellModel, loaded: bool) -> Result<Settings, FitError> {
+        let named = |name: &String| Unknown::named(name.trim());
+        let mut free = Settings::usual(cell);
+        if !self.free.is_empty() {
+            free.truncate(1);
+            free.extend(self.free.iter().map(named));
+        } else if loaded {
+            free.push(Unknown::YoungModulus);
+        }
+        for fixed in self.fix.iter().map(named) {
+            if !free.contains(&fixed) {
+                return Err(not_sought(&fixed, &free));
+            }
+            free.retain(|unknown| *unknown != fixed);
+        }
+        let bounds: BTreeMap<Unknown, [f64; 2]> =
+            self.bounds.iter().map(|(name, ends)| (named(name), *ends)).collect();
+        match bounds.keys().find(|unknown| !free.contains(unknown)) {
+            Some(unknown) => Err(not_sought(unknown, &free)),
+            None => Ok(Settings { free: Some(free), bounds, starts: self.starts, seed: self.seed }),
+        }
+    }
+}
+
 /// Settings of a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -32,34 +84,6 @@ impl Settings {
         let usual = cell.in_fits().usual.iter();
         let of_cell = usual.map(|name| Unknown::Parameter((*name).to_owned()));
         [Unknown::TensionOverStiffness].into_iter().chain(of_cell).collect()
-    }
-
-    /// What is sought where names say so: `free` beside tension over stiffness, or what a curve tells ([`Settings::usual`])
-    /// where they are none, and with a curve under a known load the stiffness; of these not what `fix` names.
-    ///
-    /// # Errors
-    /// A name to fix that is not sought anyway.
-    pub fn asked<S: AsRef<str>>(
-        cell: &dyn CellModel,
-        free: &[S],
-        fix: &[S],
-        loaded: bool,
-    ) -> Result<Vec<Unknown>, FitError> {
-        let named = |name: &S| Unknown::named(name.as_ref().trim());
-        let mut sought = Self::usual(cell);
-        if !free.is_empty() {
-            sought.truncate(1);
-            sought.extend(free.iter().map(named));
-        } else if loaded {
-            sought.push(Unknown::YoungModulus);
-        }
-        for fixed in fix.iter().map(named) {
-            if !sought.contains(&fixed) {
-                return Err(not_sought(&fixed, &sought));
-            }
-            sought.retain(|unknown| *unknown != fixed);
-        }
-        Ok(sought)
     }
 
     /// Every unknown with its bounds as factors on the run's value, and that value; `of` gives the value of what is no

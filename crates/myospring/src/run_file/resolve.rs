@@ -28,6 +28,7 @@ impl RunFile {
             run.duration = run.usual_duration();
         }
         rules::check(self, &run)?;
+        run.assumed = rules::assumed(self, &run);
         Ok(run)
     }
 }

@@ -9,6 +9,7 @@ use crate::mechanics::area::AreaLaw;
 use crate::mechanics::support::SupportKind;
 use crate::settings::{self, Failure, Fibre, FromPlaces, Problem, Run, Source, Value};
 use crate::simulation::{MOST_FRAMES, MOST_SAMPLES, divides};
+use crate::units::{self, Dimension};
 
 type Checked = Result<(), Failure>;
 
@@ -29,11 +30,11 @@ const ALTERNATIVES: [(&[&str], &str); 3] = [
 ];
 
 /// A support with a stiffness or a load: its word, the key of that value, the message if the value
-/// is missing, and the advice if it is given with another support.
+/// is missing and there is no usual one, and the advice if it is given with another support.
 struct Springs {
     support: &'static str,
     key: &'static str,
-    reason: &'static str,
+    reason: Option<&'static str>,
     advice: &'static str,
 }
 
@@ -41,22 +42,24 @@ const SPRINGS: [Springs; 3] = [
     Springs {
         support: "spring-held-ends",
         key: "mechanics.end_stiffness",
-        reason: "the springs at the ends need their stiffness: give it like end_stiffness = \
-                 \"100 nN/um\", or --end-stiffness \"100 nN/um\"",
+        reason: Some(
+            "the springs at the ends need their stiffness: give it like end_stiffness = \"100 nN/um\", or \
+             --end-stiffness \"100 nN/um\"",
+        ),
         advice: "only support = \"spring-held-ends\" has it; choose that support or leave it out",
     },
     Springs {
         support: "afterloaded-ends",
         key: "mechanics.afterload",
-        reason: "afterloaded ends need their load: give it like afterload = \"2000 nN\", or \
-                 --afterload \"2000 nN\"",
+        reason: Some(
+            "afterloaded ends need their load: give it like afterload = \"2000 nN\", or --afterload \"2000 nN\"",
+        ),
         advice: "only support = \"afterloaded-ends\" has it; choose that support or leave it out",
     },
     Springs {
         support: "elastic-bed",
         key: "mechanics.bed_stiffness",
-        reason: "an elastic bed needs its stiffness: give it like bed_stiffness = \"0.5 \
-                 kPa/um\", or --bed-stiffness \"0.5 kPa/um\"",
+        reason: None,
         advice: "only support = \"elastic-bed\" has it; choose that support or leave it out",
     },
 ];
@@ -84,6 +87,19 @@ pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
             let groups = ALTERNATIVES.iter().map(|(keys, _)| *keys);
             groups.filter(|keys| keys.contains(&key)).flatten().copied().collect()
         }
+    }
+}
+
+/// What was assumed where the run file is silent, and a person should know.
+pub(super) fn assumed(file: &RunFile, run: &Run) -> Vec<String> {
+    const BED: &str = "mechanics.bed_stiffness";
+    match run.support {
+        SupportKind::ElasticBed { stiffness } if !file.has(BED) => vec![format!(
+            "the stiffness of the bed is not stated: {} is assumed, and how far the cell shortens under a tension depends \
+             on it (--bed-stiffness)",
+            units::format(stiffness, Dimension::BedStiffness)
+        )],
+        _ => Vec::new(),
     }
 }
 
@@ -339,12 +355,12 @@ fn support(file: &RunFile, run: &Run) -> Checked {
         SupportKind::MassCentre | SupportKind::ClampedEnd | SupportKind::ClampedEnds => None,
     };
     for Springs { support, key, reason, advice } in SPRINGS {
-        match (holder == Some(support), file.has(key)) {
-            (true, false) => {
+        match (holder == Some(support), file.has(key), reason) {
+            (true, false, Some(reason)) => {
                 let problem = Problem::Missing { key, reason };
                 return Err(("mechanics.support".to_owned(), problem));
             }
-            (false, true) => return exclude("mechanics.support", key, advice),
+            (false, true, _) => return exclude("mechanics.support", key, advice),
             _ => {}
         }
     }

@@ -87,6 +87,8 @@ pub struct Run {
     /// What may end the work on it early: pacing, fibres, preparation and the run itself; of its picture, too, by
     /// [`Run::interrupted_by`]. No file has it.
     pub interruption: Interruption,
+    /// What was assumed where the settings are silent, and a person should know.
+    pub assumed: Vec<String>,
 }
 
 /// A run with its mesh.
@@ -171,6 +173,7 @@ impl Run {
             duration: usual_duration(&protocol, &numerics),
             numerics,
             interruption: Interruption::default(),
+            assumed: Vec::new(),
         }
     }
 
@@ -371,6 +374,7 @@ impl Run {
     /// All warnings, the mesh's own first.
     pub fn warnings(&self, mesh: &MeshReport) -> Vec<String> {
         let mut warnings = mesh.warnings.clone();
+        warnings.extend(self.assumed.iter().cloned());
         let size = &mesh.dimensions;
         let critical = self.material.buckling_tension(size.length_um, size.mean_width_um);
         let free = self.support == SupportKind::MassCentre;

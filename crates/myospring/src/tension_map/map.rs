@@ -6,6 +6,7 @@ use super::grid::{Grid, Squares};
 use super::least::not_negative;
 use super::observed_peak::ObservedPeak;
 use super::smoothing::{Problem, Smoothing};
+use crate::analysis::shape::laid_upon;
 use crate::integrate::quasi_static::{Equilibrium, PathError, Tolerance};
 use crate::interruption::Interruption;
 use crate::mechanics::active::ActiveLaw;
@@ -368,24 +369,8 @@ impl Search<'_> {
     }
 }
 
-/// Points shifted and turned as near as they come to others, in the sense of least squares over those that `count`.
-fn placed(from: &[Vec<f64>; 2], to: &[Vec<f64>; 2], count: &[bool]) -> [Vec<f64>; 2] {
-    let counted: Vec<usize> = (0..count.len()).filter(|&point| count[point]).collect();
-    let mean = |of: &dyn Fn(usize) -> f64| {
-        counted.iter().map(|&point| of(point)).sum::<f64>() / counted.len() as f64
-    };
-    let middle =
-        |points: &[Vec<f64>; 2]| [0, 1].map(|axis: usize| mean(&|point| points[axis][point]));
-    let (start, end) = (middle(from), middle(to));
-    let arm = |axis: usize, point: usize| from[axis][point] - start[axis];
-    let goal = |axis: usize, point: usize| to[axis][point] - end[axis];
-    let cosine = mean(&|point| arm(0, point) * goal(0, point) + arm(1, point) * goal(1, point));
-    let sine = mean(&|point| arm(0, point) * goal(1, point) - arm(1, point) * goal(0, point));
-    let (sin, cos) = sine.atan2(cosine).sin_cos();
-    let at = |point: usize| {
-        let [x, y] = [arm(0, point), arm(1, point)];
-        (end[0] + cos * x - sin * y, end[1] + sin * x + cos * y)
-    };
-    let (x, y) = (0..count.len()).map(at).unzip();
-    [x, y]
+/// Points shifted and turned as near as they come to others, in the sense of least squares over those that were found.
+fn placed(from: &[Vec<f64>; 2], to: &[Vec<f64>; 2], found: &[bool]) -> [Vec<f64>; 2] {
+    let weights: Vec<f64> = found.iter().map(|found| f64::from(u8::from(*found))).collect();
+    laid_upon(from, to, &weights)
 }

@@ -4,7 +4,7 @@ use crate::mesh::Mesh;
 use crate::microscopy::motion::Motion;
 
 /// Frames this near to the greatest contraction are of the peak, and this near to none are of rest; parts of it.
-pub const NEAR: f64 = 0.1;
+pub(super) const NEAR: f64 = 0.1;
 
 /// The cell at the peak of its contraction.
 #[derive(Debug, Clone, PartialEq)]

@@ -51,8 +51,11 @@ worded! { SupportName {
         "A spring at either end, such as a carbon fibre: an auxotonic contraction; needs \
          `end_stiffness`.",
     SupportName::ElasticBed = "elastic-bed":
-        "Every point is tied to its resting position, as on a gel; needs `bed_stiffness`.",
+        "Every point is tied to its resting position, as on a gel of `bed_stiffness`.",
 } }
+
+/// Stiffness of a bed unless stated, kPa/um: that of `examples/gel.toml`. A run says that it was assumed.
+const USUAL_BED: f64 = 0.5;
 
 const FIBRE: &str = "mechanics.fibre";
 const FIBRE_ANGLE: Bounds = Bounds::any(Dimension::Angle, "15 deg").from(-360.0).to(360.0);
@@ -280,6 +283,7 @@ pub(super) const ROWS: &[Setting] = &[
             }
         },
     )
+    .otherwise("\"0.5 kPa/um\" for an elastic bed, with a warning")
     .option_saying(
         "--bed-stiffness",
         "STIFFNESS",
@@ -313,7 +317,7 @@ fn support_name(support: SupportKind) -> SupportName {
     }
 }
 
-/// The support with this name; the rules of run files require the stiffness of an elastic one, or
+/// The support with this name; the rules of run files require the stiffness of springs at the ends, or
 /// the load.
 fn support(name: SupportName) -> SupportKind {
     match name {
@@ -322,6 +326,6 @@ fn support(name: SupportName) -> SupportKind {
         SupportName::ClampedEnds => SupportKind::ClampedEnds,
         SupportName::AfterloadedEnds => SupportKind::AfterloadedEnds { load: 0.0 },
         SupportName::SpringHeldEnds => SupportKind::SpringHeldEnds { stiffness: 0.0 },
-        SupportName::ElasticBed => SupportKind::ElasticBed { stiffness: 0.0 },
+        SupportName::ElasticBed => SupportKind::ElasticBed { stiffness: USUAL_BED },
     }
 }

@@ -1,53 +1,40 @@
 //! `report.html` of a fit: the page of a run, with the fitted cell, beside the curve that it was fitted to.
 
-use super::files::{Cell, Context, drawn, profiles};
-use super::words;
-use crate::failure::Failure;
-use myospring::cell::CellModel;
-use myospring::experiment::Inputs;
-use myospring::experiment::citations;
-use myospring::experiment::run::parameters;
-use myospring::fit::{Estimate, Fit, FitVerdict, Unknown};
-use myospring::output::field::Field;
-use myospring::output::figure::FittedCurve;
-use myospring::output::page::{
+use super::files::Shared;
+use super::{Fits, tables, words};
+use crate::cell::CellModel;
+use crate::experiment::run::parameters;
+use crate::experiment::{ExperimentError, citations};
+use crate::fit::{Estimate, Fit, FitVerdict, Unknown};
+use crate::output::field::Field;
+use crate::output::figure::{Figure, FigureError, FittedCurve};
+use crate::output::page::{
     self, Answer, Cell as Entry, Chart, Drawing, Mark, Page, PageRun, Part, Quality, Runs, Section,
     Tile,
 };
-use myospring::output::report::Summary;
-use myospring::settings::Run;
-use myospring::simulation::{Outcome, SetupError, SharedPath, Simulation};
-
-/// The beat of a fitted cell.
-pub(super) fn beaten(
-    simulation: &Simulation,
-    shared: Option<&SharedPath>,
-) -> Result<Outcome, SetupError> {
-    // The path of equilibria is that of all cells, unless stiffness was fitted, too.
-    if let Some(ready) = shared.and_then(|shared| shared.prepare(simulation).ok()) {
-        return Ok(ready.run(|_progress| true));
-    }
-    Ok(simulation.build()?.run(|_progress| true))
-}
+use crate::output::report::Summary;
+use crate::settings::Run;
+use crate::simulation::{Outcome, Simulation};
 
 /// The page of a cell that was fitted.
 pub(super) fn html(
-    cell: &Cell,
+    cell: &str,
     fit: &Fit,
-    context: &Context<'_>,
+    shared: &Shared<'_>,
     run: &Run,
-    (run_file, inputs): (&str, &Inputs),
+    run_file: &str,
     (simulation, outcome): (&Simulation, &Outcome),
-) -> Result<String, Failure> {
+) -> Result<String, ExperimentError> {
+    let Shared { fits, work, inputs, .. } = shared;
     let model = &*run.cell;
-    let report = context.report.clone();
+    let report = work.report.clone();
     let summary =
         Summary::new(&outcome.recording, &outcome.stimulus_times_ms, None, report, Vec::new())
             .with_pace(&simulation.pace(&outcome.beats()));
     let citations = citations::bibtex(model);
-    let title = format!("Fit of {}", cell.name);
+    let title = format!("Fit of {cell}");
     let frames: usize = fit.curves.iter().map(|curve| curve.times_ms.len()).sum();
-    let facts = vec![context.name.to_owned(), model.name().to_owned(), format!("{frames} frames")];
+    let facts = vec![fits.name.clone(), model.name().to_owned(), format!("{frames} frames")];
     let shown = PageRun {
         label: "fitted",
         summary: &summary,
@@ -55,7 +42,7 @@ pub(super) fn html(
         mesh: &simulation.mesh,
         fibres: &simulation.fibres,
         myofibril_content: simulation.myofibril_content.as_deref(),
-        outline: context.outline,
+        outline: &work.outline,
         stimulus_times_ms: &outcome.stimulus_times_ms,
         parameters: parameters(run, inputs),
         run_file,
@@ -65,11 +52,11 @@ pub(super) fn html(
     let runs = Runs { runs: vec![shown], differences: &[] };
     let start = outcome.stimulus_times_ms.first().copied().unwrap_or_default();
     let several = fit.curves.len() > 1;
-    let charts = drawn(fit).into_iter().map(|curve| from_stimulus(curve, start));
+    let charts = tables::drawn(fit).into_iter().map(|curve| from_stimulus(curve, start));
     let charts = charts.flat_map(|curve| Chart::of_fit(&curve, several)).collect();
     let mut sections =
-        vec![numbers(fit, model), runs.beat(Field::default(), charts), certainty(fit, context)];
-    sections.extend(figures(context));
+        vec![numbers(fit, model), runs.beat(Field::default(), charts), certainty(fit, &fits.notes)];
+    sections.extend(figures(fits));
     sections.extend(runs.record());
     let quality = match fit.verdict {
         FitVerdict::Fits => Quality::Good,
@@ -89,7 +76,7 @@ pub(super) fn html(
 
 /// The numbers that were fitted, with their intervals.
 fn numbers(fit: &Fit, model: &dyn CellModel) -> Section<'static> {
-    let tiles = fit.estimates.iter().zip(words::table(fit));
+    let tiles = fit.estimates.iter().zip(words::estimates(fit));
     let tiles = tiles.map(|(estimate, [name, value, interval, verdict])| {
         // Of a model that does not fit the verdict says it.
         let has_interval = fit.verdict != FitVerdict::DoesNotFit && !interval.is_empty();
@@ -105,10 +92,10 @@ fn numbers(fit: &Fit, model: &dyn CellModel) -> Section<'static> {
 }
 
 /// How well the numbers are determined.
-fn certainty(fit: &Fit, context: &Context<'_>) -> Section<'static> {
-    let mut notes: Vec<String> = fit.curves.iter().map(words::left).collect();
-    notes.extend(context.notes.iter().cloned());
-    let profiles = profiles(fit);
+fn certainty(fit: &Fit, more: &[String]) -> Section<'static> {
+    let mut notes: Vec<String> = fit.curves.iter().map(words::residual).collect();
+    notes.extend_from_slice(more);
+    let profiles = tables::profiles(fit);
     let hint = match profiles.len() {
         0 => "",
         _ => {
@@ -150,19 +137,19 @@ fn from_stimulus(curve: FittedCurve, start: f64) -> FittedCurve {
 }
 
 /// The figures of a film.
-fn figures(context: &Context<'_>) -> Vec<Section<'static>> {
-    let shapes = context.shapes.and_then(|it| {
-        let words = format!("{}.", it.words());
-        let drawing = Drawing::new(&it.figure().ok()?, &words).ok()?;
-        let parts = vec![Part::Figure(drawing), Part::Words(vec![words])];
-        Some(Section::new("shapes", "The film and the fitted cell", parts))
-    });
-    let map = context.mapped.and_then(|it| {
-        let words = format!("{}.", it.words());
-        let drawing = Drawing::new(&it.figure().ok()?, &words).ok()?;
-        let notes = it.verdicts().to_vec();
-        let parts = vec![Part::Figure(drawing), Part::Words(vec![words]), Part::Words(notes)];
-        Some(Section::new("map", "Where the cell pulls", parts))
-    });
+fn figures(fits: &Fits) -> Vec<Section<'static>> {
+    let one = |id, title, figure: Result<Figure, FigureError>, words: String, notes: &[String]| {
+        let words = format!("{words}.");
+        let drawing = Drawing::new(&figure.ok()?, &words).ok()?;
+        let notes = (!notes.is_empty()).then(|| Part::Words(notes.to_vec()));
+        let parts = [Part::Figure(drawing), Part::Words(vec![words])].into_iter().chain(notes);
+        Some(Section::new(id, title, parts.collect()))
+    };
+    let shapes = fits.shapes.as_ref();
+    let shapes = shapes
+        .and_then(|it| one("shapes", "The film and the fitted cell", it.figure(), it.words(), &[]));
+    let map = fits.map.as_ref();
+    let map = map
+        .and_then(|it| one("map", "Where the cell pulls", it.figure(), it.words(), it.verdicts()));
     shapes.into_iter().chain(map).collect()
 }

@@ -1,29 +1,68 @@
 //! The map of tension of a film's cell.
 
-use super::files::csv;
-use crate::failure::Failure;
-use crate::terminal::Terminal;
-use myospring::experiment::Folder;
-use myospring::experiment::track::Followed;
-use myospring::output::field::Fields;
-use myospring::output::figure::{self, Figure, FigureError, Map, Theme};
-use myospring::output::table::{Column, Table};
-use myospring::output::vtu;
-use myospring::recording::Frame;
-use myospring::simulation::Simulation;
-use myospring::tension_map::{ObservedPeak, TensionMap, TensionMapError};
+use super::track::{Followed, Report, Track};
+use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
+use crate::output::field::Fields;
+use crate::output::figure::{self, Figure, FigureError, Map, Theme};
+use crate::output::json;
+use crate::output::table::{Column, Table};
+use crate::output::vtu;
+use crate::recording::Frame;
+use crate::simulation::Simulation;
+use crate::tension_map::{ObservedPeak, TensionMap, TensionMapError};
 use serde::Serialize;
+use std::sync::Arc;
 
-/// A map with what it is of.
-pub(super) struct Mapped<'a> {
-    map: TensionMap,
+/// Where the cell of a film pulls, without a fit: for the stiffness and the support that the settings have.
+pub struct MapOfFilm {
+    /// The film, with every setting of its cell.
+    pub track: Track,
+}
+
+/// A map with the film that it is of.
+#[derive(Clone)]
+pub struct FilmMap {
+    /// The map.
+    pub map: TensionMap,
+    /// The film's cell.
+    pub followed: Arc<Followed>,
     verdicts: Vec<String>,
-    followed: &'a Followed,
+    notes: Vec<String>,
+}
+
+impl Experiment for MapOfFilm {
+    type Outcome = FilmMap;
+
+    fn run(&self, files: &Files, observer: &dyn Observer) -> Result<FilmMap, ExperimentError> {
+        self.track.check(files)?;
+        let followed = self.track.follow(files, observer)?;
+        let run = &followed.run;
+        let made = run.make(followed.shaped.clone(), |file| files.bytes(file))?;
+        let mut notes = Report::of(&self.track.film, &followed).warnings;
+        notes.extend(run.assumed.iter().cloned());
+        let map = FilmMap::of(Arc::new(followed), &made.simulation);
+        Ok(FilmMap { notes, ..map.map_err(ExperimentError::new)? })
+    }
+}
+
+impl Outcome for FilmMap {
+    fn numbers(&self) -> impl Serialize {
+        self.record()
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.notes.iter().chain(&self.verdicts).cloned().collect()
+    }
+
+    fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
+        folder.write("tension_map.json", json::for_people(&self.record())?)?;
+        self.write(folder, observer)
+    }
 }
 
 /// The map in `fit.json`.
 #[derive(Serialize)]
-pub(super) struct Record<'a> {
+pub struct Record<'a> {
     /// Of the film.
     frames: &'a [usize],
     mean_tension_kpa: f64,
@@ -48,17 +87,19 @@ pub(super) struct Record<'a> {
     verdicts: &'a [String],
 }
 
-impl<'a> Mapped<'a> {
-    pub(super) fn of(
-        followed: &'a Followed,
-        simulation: &Simulation,
-    ) -> Result<Self, TensionMapError> {
+impl FilmMap {
+    /// Of a cell that was followed, with the stiffness and the support of this simulation.
+    ///
+    /// # Errors
+    /// Those of [`TensionMap::of`].
+    pub fn of(followed: Arc<Followed>, simulation: &Simulation) -> Result<Self, TensionMapError> {
         let map = TensionMap::of(simulation, &ObservedPeak::at_peak(&followed.motion))?;
         let verdicts = map.verdicts(simulation);
-        Ok(Self { map, verdicts, followed })
+        Ok(Self { map, followed, verdicts, notes: Vec::new() })
     }
 
-    pub(super) fn verdicts(&self) -> &[String] {
+    /// What a reader of the map must know.
+    pub fn verdicts(&self) -> &[String] {
         &self.verdicts
     }
 
@@ -86,7 +127,7 @@ impl<'a> Mapped<'a> {
     }
 
     /// In a line.
-    pub(super) fn words(&self) -> String {
+    pub fn words(&self) -> String {
         let map = &self.map;
         if !map.is_known() {
             return format!(
@@ -107,8 +148,12 @@ impl<'a> Mapped<'a> {
         )
     }
 
-    pub(super) fn figure(&self) -> Result<Figure, FigureError> {
-        let Followed { motion, shaped, fibres, .. } = self.followed;
+    /// The cell coloured by its tension, and by how sure that is; where the map is not known, why not.
+    ///
+    /// # Errors
+    /// A cell that cannot be drawn.
+    pub fn figure(&self) -> Result<Figure, FigureError> {
+        let Followed { motion, shaped, fibres, .. } = &*self.followed;
         let map = &self.map;
         let fields = Fields::new(&motion.mesh, &fibres.directions, None)?;
         let cell = figure::Cell::new(fields.clone(), Some(&shaped.outline))?;
@@ -132,18 +177,22 @@ impl<'a> Mapped<'a> {
         figure::maps(&cell, &maps, Some(map.resolution_um()))
     }
 
-    pub(super) fn write(&self, folder: &Folder) -> Result<(), Failure> {
-        folder.write("tension_map.csv", self.table()?)?;
+    pub(super) fn write(
+        &self,
+        folder: &Folder,
+        observer: &dyn Observer,
+    ) -> Result<(), ExperimentError> {
+        folder.write("tension_map.csv", self.table().to_csv()?)?;
         // Nobody colours a cell by what is not known.
         if self.map.is_known() {
             folder.write("tension_map.vtu", self.grid()?)?;
         }
         let draw = || self.figure();
-        folder.figures(Theme::Light, &[("tension_map", &draw)], &Terminal::new(true))
+        folder.figures(Theme::Light, &[("tension_map", &draw)], observer)
     }
 
     /// A row for each triangle.
-    fn table(&self) -> Result<Vec<u8>, Failure> {
+    pub fn table(&self) -> Table {
         let (map, mesh) = (&self.map, &self.followed.motion.mesh);
         let column = |name: &str, values: &mut dyn Iterator<Item = f64>| Column::Number {
             name: name.to_owned(),
@@ -161,12 +210,12 @@ impl<'a> Mapped<'a> {
             column("resolution_um", &mut map.resolutions_um.iter().copied()),
             column("standard_deviation_over_tension", &mut map.doubts().into_iter()),
         ];
-        csv(&Table { columns })
+        Table { columns }
     }
 
     /// The cell under the map, for ParaView.
-    fn grid(&self) -> Result<String, Failure> {
-        let Followed { motion, fibres, .. } = self.followed;
+    fn grid(&self) -> Result<String, ExperimentError> {
+        let Followed { motion, fibres, .. } = &*self.followed;
         let map = &self.map;
         let time =
             |frame: &usize| motion.times_ms[motion.frames.partition_point(|one| one < frame)];

@@ -1,0 +1,222 @@
+"""Where the cell of a film pulls. `generate.py` writes what it takes of settings."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Callable, Literal, Mapping, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from myospring import _native
+from myospring._cell import Cell
+from myospring._errors import warn
+from myospring._functions import BEAT_KEYS, BeatSettings
+from myospring._given import changed
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class FilmSettings(BeatSettings, total=False):
+    """The settings of the cell of a film, by name: those of `simulate`, and those that find it in the frame at rest."""
+
+    # <typed of film>
+    any_size: bool
+    spacing_um: float | None
+    modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None
+    channel: int | None
+    frame: int | None
+    z: int | str | None
+    threshold: float | None
+    smooth_um: float | None
+    seed: tuple[float, float] | None
+    min_area_um2: float | None
+    max_area_um2: float | None
+    allow_cut: bool
+    outline: str | PathLike[str] | None
+    # </typed>
+
+
+_FILM_KEYS: Mapping[str, tuple[str, Any]] = {
+    # <keys of film>
+    "any_size": ("shape.any_size", False),
+    "spacing_um": ("shape.spacing", None),
+    "modality": ("segmentation.modality", None),
+    "channel": ("segmentation.channel", None),
+    "frame": ("segmentation.frame", None),
+    "z": ("segmentation.z", None),
+    "threshold": ("segmentation.threshold", None),
+    "smooth_um": ("segmentation.smooth", None),
+    "seed": ("segmentation.seed", None),
+    "min_area_um2": ("segmentation.min_area", None),
+    "max_area_um2": ("segmentation.max_area", None),
+    "allow_cut": ("segmentation.allow_cut", False),
+    "outline": ("segmentation.outline", None),
+    # </keys>
+}
+
+
+def given_of_film(function: str, pixel_size_um: float | None, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings of a film's cell by key."""
+    known = {**BEAT_KEYS, **_FILM_KEYS}
+    unknown = [name for name in settings if name not in known]
+    if unknown:
+        raise TypeError(f"{function}() got an unexpected keyword argument '{unknown[0]}'")
+    named = ((known[name][0], value, known[name][1]) for name, value in settings.items())
+    return changed(("shape.pixel_size", pixel_size_um, None), *named)
+
+
+class TensionMap:
+    """Where a cell pulls at the peak of its contraction. `tension_map` and `fit` of a film make one.
+
+    Tensions are in proportion to the stiffness of the cell, which is that of the settings.
+
+    Attributes
+    ----------
+    cell : Cell
+        The cell of the film at rest: `cell.triangles` are those of the map.
+    tension_kpa, standard_deviation_kpa : ndarray of shape (triangles,)
+        Active tension of each triangle, and its standard deviation.
+    relative_tension, relative_standard_deviation : ndarray of shape (triangles,)
+        Tension over the mean one, which does not depend on the stiffness, and its standard deviation.
+    resolution_um : ndarray of shape (triangles,)
+        Size of what can be distinguished around each triangle, um.
+    centres : ndarray of shape (triangles, 2)
+        Centres of the triangles at rest, um.
+    positions : ndarray of shape (nodes, 2)
+        Where the map puts the masses at the peak, um.
+    mean_tension_kpa, even_tension_kpa : float
+        Mean over the cell, and the even tension that is nearest to the film.
+    known, uneven : bool
+        Whether the film says where most of the cell pulls, and whether it pulls unevenly. Do not show a map that is not
+        known.
+    numbers : dict
+        All numbers, as ``fit.json`` has them.
+    frames : list of int
+        Frames of the film that it is of.
+    headline : str
+        The map in a sentence.
+    warnings : list of str
+        What a reader must know, in order of weight.
+    """
+
+    def __init__(self, native: _native.TensionMap) -> None:
+        self._native = native
+        columns = dict(native.columns())
+        self.cell = Cell(native.cell)
+        self.tension_kpa = columns["tension_kPa"]
+        self.standard_deviation_kpa = columns["standard_deviation_kPa"]
+        self.relative_tension = columns["relative_tension"]
+        self.relative_standard_deviation = columns["relative_standard_deviation"]
+        self.resolution_um = columns["resolution_um"]
+        self.centres = np.column_stack([columns["x_um"], columns["y_um"]])
+        self.positions: NDArray[np.float64] = native.positions
+        self.numbers: dict[str, Any] = json.loads(native.numbers)
+        self.mean_tension_kpa: float = self.numbers["mean_tension_kpa"]
+        self.even_tension_kpa: float = self.numbers["even_tension_kpa"]
+        self.known: bool = self.numbers["known"]
+        self.uneven: bool = self.numbers["uneven"]
+        self.frames: list[int] = self.numbers["frames"]
+        self.headline = native.headline
+        self.warnings = native.warnings
+
+    def to_dataframe(self) -> Any:
+        """The map as a table; it needs pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each triangle, as ``tension_map.csv`` has them.
+        """
+        import pandas
+
+        return pandas.DataFrame(dict(self._native.columns()))
+
+    def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
+        """Writes ``tension_map.json``, ``tension_map.csv``, the figure and, of a map that is known, ``tension_map.vtu``.
+
+        Parameters
+        ----------
+        folder : path
+            Made if it is not there.
+        force : bool
+            Replaces results that the folder holds. Refused where it holds anything that no command wrote, or that was
+            changed since.
+
+        Returns
+        -------
+        pathlib.Path
+            The folder.
+
+        Raises
+        ------
+        OSError
+            The folder holds files, or cannot be written to.
+        """
+        saved, said = self._native.save(os.fspath(folder), force)
+        warn(said)
+        return Path(saved)
+
+    @cached_property
+    def _figure(self) -> str:
+        return self._native.svg()
+
+    def __repr__(self) -> str:
+        mean = f"{self.mean_tension_kpa:.2f} kPa on average" if self.known else "not known"
+        return f"<myospring.TensionMap of {self.cell.name}, {len(self.tension_kpa)} triangles: {mean}>"
+
+    def _repr_html_(self) -> str:
+        words = "".join(f"<p>{html.escape(text)}</p>" for text in (self.headline, *self.warnings))
+        return f"<div>{self._figure}{words}</div>"
+
+
+def tension_map(
+    film: str | PathLike[str],
+    *,
+    pixel_size_um: float | None = None,
+    frame_rate_per_s: float | None = None,
+    progress: Callable[[str, int, int], object] | None = None,
+    **settings: Unpack[FilmSettings],
+) -> TensionMap:
+    """Follows the cell of a film and maps its active tension at the peak of the contraction.
+
+    Parameters
+    ----------
+    film : path
+        A film, or a folder of its frames, as ``myospring track`` takes it.
+    pixel_size_um : float or None
+        Side of one pixel, um. None: what the film says of itself.
+    frame_rate_per_s : float or None
+        Frames a second. None: what the film says of itself.
+    progress : function or None
+        Hears of each step: stage, steps that are done, all steps.
+    **settings
+        What is known of the cell: the settings of `simulate`, of which ``young_modulus_kpa``, ``support`` and
+        ``bed_stiffness_kpa_per_um`` matter most, and those of `Cell.from_image`, which find it in the frame at rest (``seed`` chooses among several).
+
+    Returns
+    -------
+    TensionMap
+        The map, how sure it is, and what a reader must know.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such film.
+    UnknownNameError
+        A setting that does not exist.
+    ValueError
+        A film without a frame rate or a pixel size, that shows no cell, or whose cell does not contract.
+    KeyboardInterrupt
+        Ctrl-C.
+    """
+    given = given_of_film("tension_map", pixel_size_um, settings)
+    found = TensionMap(_native.tension_map(os.fspath(film), given, frame_rate_per_s, progress))
+    warn(found.warnings)
+    return found

@@ -1,0 +1,108 @@
+//! Maps of tension of films.
+
+use crate::cell::{Cell, pairs};
+use crate::experiment::{self, Progress};
+use crate::{errors, settings};
+use myospring::experiment::Files;
+use myospring::experiment::tension_map::{FilmMap, MapOfFilm};
+use myospring::experiment::track::Track;
+use myospring::output::table::Column;
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+
+/// Where the cell of a film pulls.
+#[pyclass(frozen, module = "myospring._native")]
+pub(crate) struct TensionMap {
+    pub(crate) map: FilmMap,
+    pub(crate) cell: Py<Cell>,
+    pub(crate) files: Files,
+}
+
+/// The film of a path, with settings by key.
+pub(crate) fn track(
+    path: PathBuf,
+    given: &Bound<'_, PyDict>,
+    frame_rate: Option<f64>,
+) -> PyResult<Track> {
+    Ok(Track { settings: settings::list(given)?, frame_rate, ..Track::of(path) })
+}
+
+/// The map of a film; `given` are settings by key.
+#[pyfunction]
+pub(crate) fn tension_map(
+    py: Python<'_>,
+    film: PathBuf,
+    given: &Bound<'_, PyDict>,
+    frame_rate_per_s: Option<f64>,
+    progress: Progress,
+) -> PyResult<TensionMap> {
+    let asked = MapOfFilm { track: track(film, given, frame_rate_per_s)? };
+    let files = Files::default();
+    let map = experiment::run(py, &asked, &files, progress)?;
+    let cell = Py::new(py, Cell::of_film(&map.followed, &files))?;
+    Ok(TensionMap { map, cell, files })
+}
+
+#[pymethods]
+impl TensionMap {
+    /// The cell of the film at rest.
+    #[getter]
+    fn cell(&self, py: Python<'_>) -> Py<Cell> {
+        self.cell.clone_ref(py)
+    }
+
+    /// Its numbers, JSON.
+    #[getter]
+    fn numbers(&self) -> PyResult<String> {
+        experiment::numbers(&self.map)
+    }
+
+    /// What a reader must know.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        experiment::warnings(&self.map)
+    }
+
+    /// In a sentence.
+    #[getter]
+    fn headline(&self) -> String {
+        self.map.words()
+    }
+
+    /// Names and values of the columns of `tension_map.csv`, an entry for each triangle.
+    fn columns<'py>(&self, py: Python<'py>) -> Vec<(String, Bound<'py, PyArray1<f64>>)> {
+        let number = |column| match column {
+            Column::Number { name, values } => {
+                let values = values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+                Some((name, PyArray1::from_vec(py, values)))
+            }
+            Column::Text { .. } => None,
+        };
+        self.map.table().columns.into_iter().filter_map(number).collect()
+    }
+
+    /// Where the map puts the masses at the peak, um: (nodes, 2).
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let [x, y] = &self.map.map.positions_um;
+        pairs(py, x.iter().zip(y).map(|(x, y)| [*x, *y]))
+    }
+
+    /// The figure, SVG.
+    fn svg(&self, py: Python<'_>) -> PyResult<String> {
+        py.detach(|| self.map.figure()).map(|figure| figure.to_svg()).map_err(errors::value)
+    }
+
+    /// Writes the map; the folder, and what was odd.
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn save(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        force: bool,
+    ) -> PyResult<(PathBuf, Vec<String>)> {
+        experiment::save(py, &self.map, &folder, force, &self.files)
+    }
+}

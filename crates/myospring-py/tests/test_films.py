@@ -1,0 +1,94 @@
+"""Fits of films and maps of tension are those of the program."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+import myospring
+from myospring import _native
+
+# One beat of 5 %, before and after it rest.
+BEAT = [0.01, 0.03, 0.045, 0.05, 0.05, 0.048, 0.04, 0.03, 0.02, 0.012, 0.006, 0.003]
+REST = [1e-4 * (frame % 5) for frame in range(12)]
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory) -> str:
+    """A striped cell of 50 um, 40 frames a second, whose grains differ from frame to frame."""
+    folder = tmp_path_factory.mktemp("film")
+    column, row = np.meshgrid(np.arange(240), np.arange(110))
+    for at, shortening in enumerate([*REST, *BEAT, *REST]):
+        x = 0.25 * (column - 120.0) / (1 - shortening)
+        y = 0.25 * (row - 55.0) / (1 + 0.4 * shortening)
+        edge = 1 / (1 + np.exp(((x / 25) ** 4 + (y / 10) ** 4) * 8 - 8))
+        phase = 1.3 * np.sin(0.9 * y + 0.23 * x) + 0.8 * np.cos(1.7 * y - 0.11 * x)
+        stripes = 0.55 + 0.35 * np.cos(2 * np.pi * x / 1.9 + phase)
+        uneven = 0.75 + 0.25 * np.sin(0.31 * x + 1.1 * y) * np.cos(0.17 * x - 0.6 * y)
+        grain = (column * 7919 + row * 104_729 + int(1e4 * shortening) * 31) % 7
+        values = (12 + 200 * edge * stripes * uneven + grain).astype(np.uint8)
+        (folder / f"t{at:02}.tif").write_bytes(_native.tiff(values))
+    return str(folder)
+
+
+GIVEN = {"pixel_size_um": 0.25, "frame_rate_per_s": 40, "spacing_um": 2.5}
+
+
+@pytest.fixture(scope="module")
+def found(film) -> myospring.Fit:
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        fit = myospring.fit(film=film, starts=1, **GIVEN)
+    assert any("in proportion to the stiffness" in str(one.message) for one in said)
+    return fit
+
+
+def test_a_fit_of_a_film_has_numbers_its_cell_and_a_map_and_saves_itself(found, film, tmp_path):
+    assert found.name == "stretch_1" and found.verdict in ("fits", "fits-nearly", "does-not-fit")
+    assert found.parameters["tension_over_stiffness"].value > 0.02
+    assert abs(found.cell.dimensions.length_um - 50) < 2.5
+    assert found.shapes is not None and "um" in found.shapes
+    beat = found.simulate()
+    assert 2 < beat.metrics["peak_shortening"] < 8
+    saved = found.save(tmp_path / "fit")
+    names = {path.name for path in saved.iterdir()}
+    assert {"fit.json", "curve.csv", "run.toml", "tension_map.csv", "report.html", "figures", "track"} <= names
+    with pytest.raises(OSError, match="already holds files"):
+        found.save(saved)
+
+
+def test_a_map_has_an_entry_for_each_triangle_and_is_that_of_the_fit(found, film):
+    steps = []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        alone = myospring.tension_map(film, progress=lambda *step: steps.append(step), **GIVEN)
+        stiffer = myospring.tension_map(film, young_modulus_kpa=616, **GIVEN)
+    of_fit = found.tension_map
+    assert np.array_equal(alone.tension_kpa, of_fit.tension_kpa)
+    assert len(alone.tension_kpa) == len(alone.cell.triangles) == len(alone.centres) == len(alone.to_dataframe())
+    assert len(alone.positions) == len(alone.cell.positions)
+    # Tensions are in proportion to the stiffness; the solver's tolerance is 1e-6.
+    assert stiffer.mean_tension_kpa == pytest.approx(2 * alone.mean_tension_kpa, rel=1e-2)
+    assert ("frames", 36, 36) in steps
+    assert "<svg" in alone._repr_html_() and "TensionMap of" in repr(alone)
+
+
+def test_what_is_no_film_or_no_setting_of_one_is_refused(film, tmp_path):
+    with pytest.raises(TypeError, match="spacing_umm"):
+        myospring.tension_map(film, spacing_umm=2)
+    with pytest.raises(FileNotFoundError):
+        myospring.tension_map(tmp_path / "none.avi")
+    with pytest.raises(ValueError, match="frame_rate_per_s=30"):
+        myospring.tension_map(film, pixel_size_um=0.25)
+    with pytest.raises(ValueError, match="leave curve, cell and loaded out"):
+        myospring.fit(film, film=film)
+    with pytest.raises(ValueError, match="nothing to fit to"):
+        myospring.fit()
+
+    def stops(*_):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        myospring.tension_map(film, progress=stops, **GIVEN)

@@ -1,0 +1,390 @@
+//! A cell's own parameters from its measured curves, or from a film of its beat.
+
+mod curves;
+mod files;
+mod film;
+mod page;
+mod shapes;
+mod tables;
+pub mod words;
+
+use super::input::{self, Given, Input};
+use super::refused::Place;
+use super::tension_map::FilmMap;
+use super::{Beats, Experiment, ExperimentError, Files, Folder, Observer, Outcome};
+use crate::fit::{FitError, Fitter, Loaded, Observed, Settings, Sought};
+use crate::interruption::Interruption;
+use crate::measured::{Curve, Options};
+use crate::mesh::outline::Outline;
+use crate::mesh::quality::MeshReport;
+use crate::settings::{self, Run, Shaped, Value};
+use crate::study::Threads;
+pub use curves::{Spring, between_springs, observed, of_table};
+pub use film::Film;
+use serde::Serialize;
+pub use shapes::Shapes;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+/// Steps of the progress of all fits.
+const STEPS: f64 = 1000.0;
+
+/// What is fitted, to what, and how.
+#[derive(Default)]
+pub struct Fit {
+    /// A picture, an outline or a run file of the cell; `None`: the cell of the film, or the built-in one.
+    pub cell: Option<PathBuf>,
+    /// Tables of curves and folders of them, each curve a cell; or one film. Without any `cell` is the film.
+    pub to: Vec<PathBuf>,
+    /// Settings, which override those of a run file.
+    pub settings: Vec<Given>,
+    /// How tables are read; of a film its frame rate, its curve (`values`) and the part that counts.
+    pub table: Options,
+    /// When the cell was stimulated.
+    pub beats: Beats,
+    /// Curves of the same cell between springs.
+    pub loaded: Vec<Spring>,
+    /// What is sought.
+    pub sought: Sought,
+    /// Threads of the fits; `None` takes as many as there are cores.
+    pub threads: Option<usize>,
+    /// Where the overlay of a picture goes that gives no cell.
+    pub refused: Option<Place>,
+}
+
+/// A fit whose files are read, and whose film is followed.
+pub struct Ready {
+    /// Name of the cell's shape.
+    name: String,
+    /// Stem of the first file with curves, where that names the results.
+    stem: Option<String>,
+    film: Option<Film>,
+    /// `None` where following the film was interrupted.
+    work: Option<Work>,
+    notes: Vec<String>,
+}
+
+/// What is to be fitted.
+struct Work {
+    run: Run,
+    fitter: Fitter,
+    report: MeshReport,
+    outline: Outline,
+    settings: Settings,
+    beats: Beats,
+    curves: Vec<curves::Named>,
+    loaded: Vec<Loaded>,
+    /// Whether the cell is that of the film.
+    own: bool,
+    threads: Option<usize>,
+    files: Files,
+}
+
+/// A cell and its fit, or why there is none.
+pub struct FittedCell {
+    /// Name of its curve.
+    pub name: String,
+    /// The fit.
+    pub found: Result<crate::fit::Fit, ExperimentError>,
+}
+
+/// What came of fits.
+pub struct Fits {
+    /// Name of the cell's shape.
+    pub name: String,
+    /// A cell for each curve, in their order; fewer where the work was interrupted.
+    pub cells: Vec<FittedCell>,
+    /// The film that was followed.
+    pub film: Option<Film>,
+    /// Where the film's cell pulls.
+    pub map: Option<FilmMap>,
+    /// The film's cell and the fitted one at their peak.
+    pub shapes: Option<Shapes>,
+    /// What was assumed, and what was odd when files were read.
+    pub notes: Vec<String>,
+    work: Option<Work>,
+}
+
+impl Experiment for Fit {
+    type Outcome = Fits;
+
+    fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Fits, ExperimentError> {
+        self.ready(files, observer)?.run(observer)
+    }
+}
+
+impl Fit {
+    /// Reads every file, follows the film, and checks all that can be checked before the work of the fits.
+    ///
+    /// # Errors
+    /// Files that cannot be read, a film whose cell cannot be followed, a run that cannot be fitted, and names that are
+    /// not sought.
+    pub fn ready(&self, files: &Files, observer: &dyn Observer) -> Result<Ready, ExperimentError> {
+        self.cell.iter().chain(&self.to).for_each(|path| files.note(path));
+        let film = self.film()?;
+        let settings = self.settings();
+        let film = film.map(|path| self.follow(path, &settings, files, observer)).transpose()?;
+        let stem = self.to.first().filter(|_| self.cell.is_none());
+        let stem = stem.and_then(|path| path.file_stem());
+        let stem = stem.map(|stem| stem.to_string_lossy().into_owned());
+        let interruption = observer.interruption();
+        if film.is_some() && interruption.is_asked() {
+            let name = self.cell.as_ref().or(self.to.first()).and_then(|path| path.file_stem());
+            let name = name.unwrap_or_default().to_string_lossy().into_owned();
+            return Ok(Ready { name, stem, film, work: None, notes: Vec::new() });
+        }
+        let (curves, mut notes) = match &film {
+            Some(film) => (vec![film.named(&self.table)?], film.warnings().to_vec()),
+            None => curves::of_tables(&self.to, &self.table, files)?,
+        };
+        let loaded = self.between_springs(curves.len(), files)?;
+        // A film without another picture is its own.
+        let own =
+            film.as_ref().filter(|film| self.cell.as_ref().is_none_or(|cell| *cell == film.path));
+        let (name, mut run, shaped) = match own {
+            Some(film) => film.input(),
+            None => self.input(&settings, files, &interruption)?,
+        };
+        notes.extend(run.assumed.iter().cloned());
+        let own = own.is_some();
+        let made = run.make(shaped, |file| files.bytes(file))?;
+        run.fibre = made.fibres.taken;
+        let fitter = Fitter::new(made.simulation).map_err(ExperimentError::new)?;
+        let settings = self.sought(&run, !loaded.is_empty())?;
+        let (report, outline) = (made.report, made.outline);
+        let beats = self.beats.clone();
+        let work = Work {
+            run,
+            fitter,
+            report,
+            outline,
+            settings,
+            beats,
+            curves,
+            loaded,
+            own,
+            threads: self.threads,
+            files: files.clone(),
+        };
+        Ok(Ready { name, stem, film, work: Some(work), notes })
+    }
+
+    /// The settings that were given; a fit goes along equilibria, so a viscous cell need not be told to.
+    fn settings(&self) -> Vec<Given> {
+        const METHOD: &str = "numerics.integrator";
+        let has = |key: &str| self.settings.iter().any(|(setting, _)| setting.key == key);
+        let mut settings = self.settings.clone();
+        if has("material.retardation_time") && !has(METHOD) {
+            let method = settings::find(METHOD);
+            settings.extend(method.map(|it| (it, Value::Text("quasi-static".to_owned()))));
+        }
+        settings
+    }
+
+    fn between_springs(
+        &self,
+        curves: usize,
+        files: &Files,
+    ) -> Result<Vec<Loaded>, ExperimentError> {
+        let loaded = self.loaded.iter();
+        let loaded = loaded.map(|spring| spring.read(&self.table, &self.beats, files));
+        let loaded: Vec<Loaded> = loaded.collect::<Result<_, _>>()?;
+        if curves > 1 && !loaded.is_empty() {
+            return Err(ExperimentError::new(format!(
+                "--loaded is of one cell, and there are {curves} curves in --to"
+            ))
+            .advise("--columns chooses the cell's own"));
+        }
+        Ok(loaded)
+    }
+
+    fn input(
+        &self,
+        settings: &[Given],
+        files: &Files,
+        interruption: &Interruption,
+    ) -> Result<(String, Run, Shaped), ExperimentError> {
+        let place = |_: &str| self.refused.clone();
+        let read = input::read(self.cell.as_deref(), settings, place, files, interruption)?;
+        let Input { name, run, shaped, .. } = read;
+        Ok((name, run, shaped))
+    }
+
+    fn sought(&self, run: &Run, loaded: bool) -> Result<Settings, ExperimentError> {
+        self.sought.settings(&*run.cell, loaded).map_err(|error| match error {
+            FitError::NotSought { name, sought }
+                if self.sought.fix.iter().any(|it| it.trim() == name) =>
+            {
+                ExperimentError::new(format!("--fix: `{name}` is not sought anyway"))
+                    .advise(format!("sought are {sought}"))
+            }
+            FitError::NotSought { name, sought } => {
+                ExperimentError::new(format!("--bounds: `{name}` is not sought"))
+                    .advise(format!("sought are {sought}; --free adds others"))
+            }
+            error => ExperimentError::new(error),
+        })
+    }
+}
+
+impl Ready {
+    /// A name for the folder of its results: `cell_fit`, of several cells `cells_fits`.
+    pub fn results(&self) -> String {
+        let of = self.stem.as_ref().unwrap_or(&self.name);
+        let many = self.work.as_ref().is_some_and(|work| work.curves.len() > 1);
+        format!("{of}_{}", if many { "fits" } else { "fit" })
+    }
+
+    /// How many curves there are, and how long the fit of one takes on one thread, where that is long.
+    pub fn forecast(&self) -> (usize, Option<Duration>) {
+        let Some(work) = &self.work else { return (0, None) };
+        // A curve without a beat says so later.
+        let first =
+            |curve: &curves::Named| curves::observed(curve.1.as_ref().ok()?, &work.beats).ok();
+        let takes = work.curves.iter().find_map(first).and_then(|observed| {
+            work.fitter.will_take(&work.with_loaded(observed), &work.settings).ok()
+        });
+        (work.curves.len(), takes.flatten())
+    }
+
+    /// Fits every cell.
+    ///
+    /// # Errors
+    /// Of one curve why it cannot be fitted; of several that is said in its place.
+    pub fn run(self, observer: &dyn Observer) -> Result<Fits, ExperimentError> {
+        let Self { name, film, work, mut notes, .. } = self;
+        let cells = match &work {
+            Some(work) => work.cells(&notes, observer)?,
+            None => Vec::new(),
+        };
+        let (mut map, mut shapes) = (None, None);
+        // Of the film's own shape: another picture has other points.
+        if let (Some(work), Some(film), Some(first)) =
+            (work.as_ref().filter(|work| work.own), &film, cells.first())
+        {
+            let followed = &film.followed;
+            match FilmMap::of(Arc::clone(followed), work.fitter.simulation()) {
+                Ok(found) => map = Some(found),
+                Err(error) => notes.push(format!("there is no map of tension: {error}")),
+            }
+            if let (Ok(fit), false) = (&first.found, observer.interruption().is_asked()) {
+                shapes = Shapes::of(Arc::clone(followed), &work.fitter, &work.run, fit)?;
+            }
+        }
+        Ok(Fits { name, cells, film, map, shapes, notes, work })
+    }
+}
+
+impl Work {
+    fn with_loaded(&self, observed: Observed) -> Vec<Loaded> {
+        let support = self.fitter.simulation().support;
+        [Loaded { support, observed }].into_iter().chain(self.loaded.iter().cloned()).collect()
+    }
+
+    /// A cell for each curve, until the work is interrupted.
+    fn cells(
+        &self,
+        notes: &[String],
+        observer: &dyn Observer,
+    ) -> Result<Vec<FittedCell>, ExperimentError> {
+        let (threads, interruption) = (Threads::new(self.threads)?, observer.interruption());
+        observer.stage("\u{2030} of the fits", STEPS as u64);
+        let (done, count) = (AtomicU64::new(0), self.curves.len());
+        let mut cells = Vec::new();
+        for (number, (name, curve)) in self.curves.iter().enumerate() {
+            let goes_on = |part: f64| {
+                let now = (STEPS * (number as f64 + part) / count as f64) as u64;
+                observer.reached(done.fetch_max(now, Ordering::Relaxed).max(now));
+                !interruption.is_asked()
+            };
+            let fitted = |curve: &Curve| {
+                let all = self.with_loaded(curves::observed(curve, &self.beats)?);
+                threads.install(|| self.fitter.fit_loaded(&all, &self.settings, &goes_on))
+            };
+            let found = match curve {
+                Ok(curve) => fitted(curve).map_err(|error| failed(&error, notes)),
+                Err(error) => Err(error.clone()),
+            };
+            let found = match found {
+                Ok(Some(fit)) => Ok(fit),
+                Ok(None) => break,
+                Err(error) if count == 1 => return Err(error),
+                Err(error) => Err(error),
+            };
+            cells.push(FittedCell { name: name.clone(), found });
+        }
+        Ok(cells)
+    }
+}
+
+fn failed(error: &FitError, notes: &[String]) -> ExperimentError {
+    let failure = ExperimentError::new(error);
+    let failure = match error {
+        FitError::Curve { .. } | FitError::NoBeat { .. } => {
+            failure.advise("`myospring analyse` shows the curve and what is seen in it")
+        }
+        FitError::TooMany { .. } => {
+            failure.advise("`--fix Ca50_ref` holds one; without --free the other two are sought")
+        }
+        FitError::Kind { .. } => {
+            failure.advise("--columns chooses another column, --kind says what it is")
+        }
+        _ => failure,
+    };
+    notes.iter().fold(failure, |failure, note| failure.also(note))
+}
+
+impl Fits {
+    /// The cells that were fitted.
+    pub fn fitted(&self) -> impl Iterator<Item = (&FittedCell, &crate::fit::Fit)> {
+        self.cells.iter().filter_map(|cell| Some((cell, cell.found.as_ref().ok()?)))
+    }
+
+    /// The run that beats like a fitted cell, and the spacing of its mesh, um.
+    ///
+    /// # Errors
+    /// Numbers that the model does not take.
+    pub fn fitted_run(&self, fit: &crate::fit::Fit) -> Result<(Run, f64), ExperimentError> {
+        let work = self.work.as_ref().ok_or_else(|| ExperimentError::new("nothing was fitted"))?;
+        let run = work.fitter.fitted(work.run.clone(), fit).map_err(ExperimentError::new)?;
+        Ok((run, work.report.spacing_um))
+    }
+
+    /// Whether there is a fit of every curve.
+    pub fn is_whole(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| self.fitted().count() == work.curves.len())
+    }
+}
+
+impl Outcome for Fits {
+    fn numbers(&self) -> impl Serialize {
+        files::records(self)
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let several = self.work.as_ref().is_some_and(|work| work.curves.len() > 1);
+        let of_fits = self.fitted().flat_map(|(cell, fit)| {
+            let of = if several { format!("{}: ", cell.name) } else { String::new() };
+            fit.verdicts.iter().map(move |verdict| format!("{of}{verdict}"))
+        });
+        let of_map = self.map.iter().flat_map(FilmMap::verdicts);
+        let of_map = of_map.map(|verdict| format!("map of tension: {verdict}"));
+        self.notes.iter().cloned().chain(of_fits).chain(of_map).collect()
+    }
+
+    fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
+        let mut run = self.work.as_ref().map(|work| work.run.clone());
+        if let Some(film) = &self.film {
+            let own = self.work.as_ref().is_some_and(|work| work.own);
+            film.write(folder, &self.name, run.as_mut().filter(|_| own))?;
+        }
+        match (&self.work, run) {
+            (Some(work), Some(run)) if !self.cells.is_empty() => {
+                files::write(folder, self, work, &run, observer)
+            }
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! The files of fits.
+
+use super::shapes::{self, Shapes};
+use super::tables;
+use super::{Fits, FittedCell, Work, page};
+use crate::experiment::run::{FILE, resolved};
+use crate::experiment::tension_map::{self, FilmMap};
+use crate::experiment::{ExperimentError, Folder, Inputs, Observer};
+use crate::fit::{Fit, Fitter};
+use crate::integrate::quasi_static::Tolerance;
+use crate::output::figure::{self, Theme};
+use crate::output::json;
+use crate::settings::Run;
+use crate::simulation::{SharedPath, Simulation};
+use serde::Serialize;
+
+/// fit.json.
+#[derive(Serialize)]
+pub(super) struct Record<'a> {
+    program: &'static str,
+    version: &'static str,
+    /// The curve.
+    cell: &'a str,
+    /// Whose shape it has.
+    shape: &'a str,
+    model: &'a str,
+    #[serde(flatten)]
+    fit: Option<&'a Fit>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<String>,
+    /// Of a film: the measured and the fitted cell at their peak.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shapes: Option<shapes::Record<'a>>,
+    /// Of a film: where the cell pulls.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tension_map: Option<tension_map::Record<'a>>,
+    notes: &'a [String],
+}
+
+pub(super) fn records<'a>(fits: &'a Fits) -> Vec<Record<'a>> {
+    let Some(work) = &fits.work else { return Vec::new() };
+    let record = |cell: &'a FittedCell| Record {
+        program: "myospring",
+        version: env!("CARGO_PKG_VERSION"),
+        cell: &cell.name,
+        shape: &fits.name,
+        model: work.fitter.simulation().cell.name(),
+        fit: cell.found.as_ref().ok(),
+        reason: cell.found.as_ref().err().map(ToString::to_string),
+        shapes: fits.shapes.as_ref().map(Shapes::record),
+        tension_map: fits.map.as_ref().map(FilmMap::record),
+        notes: &fits.notes,
+    };
+    fits.cells.iter().map(record).collect()
+}
+
+/// What the files of all cells have in common.
+pub(super) struct Shared<'a> {
+    pub(super) fits: &'a Fits,
+    pub(super) work: &'a Work,
+    /// The run of the cell before it was fitted.
+    run: &'a Run,
+    pub(super) inputs: Inputs,
+    /// Equilibria of all cells, unless stiffness was fitted, too.
+    path: Option<SharedPath>,
+}
+
+/// Writes what is to be written of all cells.
+pub(super) fn write(
+    folder: &Folder,
+    fits: &Fits,
+    work: &Work,
+    run: &Run,
+    observer: &dyn Observer,
+) -> Result<(), ExperimentError> {
+    let path = work.fitter.simulation().shared_path(Tolerance::default()).ok();
+    let mut inputs = Inputs::default();
+    inputs.keep(folder, run.to_run_file(), |file| work.files.bytes(file))?;
+    let shared = Shared { fits, work, run, inputs, path };
+    for (number, record) in records(fits).iter().enumerate() {
+        if let Ok(fit) = &fits.cells[number].found {
+            shared.write(folder, number, fit, record, observer)?;
+        }
+    }
+    if let Some(shapes) = &fits.shapes {
+        shapes.write(folder, observer)?;
+    }
+    if let Some(map) = &fits.map {
+        map.write(folder, observer)?;
+    }
+    if fits.cells.len() > 1 {
+        folder.write("fits.csv", tables::cells(&fits.cells).to_csv()?)?;
+    }
+    Ok(())
+}
+
+impl Shared<'_> {
+    /// Writes the files of a cell, of several in a folder of its own.
+    fn write(
+        &self,
+        folder: &Folder,
+        number: usize,
+        fit: &Fit,
+        record: &Record<'_>,
+        observer: &dyn Observer,
+    ) -> Result<(), ExperimentError> {
+        let Self { fits, work, inputs, path, .. } = self;
+        let several = fits.cells.len() > 1;
+        let within = if several { format!("cells/{}/", number + 1) } else { String::new() };
+        let up = if several { "../../" } else { "" };
+        folder.write(&format!("{within}fit.json"), json::pretty(record)?)?;
+        folder.write(&format!("{within}curve.csv"), tables::curves(fit).to_csv()?)?;
+        let run = work.fitter.fitted(self.run.clone(), fit).map_err(ExperimentError::new)?;
+        let simulation = simulation(&work.fitter, &run);
+        let run_file = resolved(&run, (inputs, up), &simulation, work.report.spacing_um, None);
+        folder.write(&format!("{within}run.toml"), &run_file)?;
+        if observer.is_late() {
+            return Ok(());
+        }
+        let draw = || figure::fit(&tables::drawn(fit), &tables::profiles(fit));
+        let figure = if several { format!("fit_{}", number + 1) } else { "fit".to_owned() };
+        folder.figures(Theme::Light, &[(&figure, &draw)], observer)?;
+        // One path of equilibria serves all cells, unless stiffness was fitted, too.
+        let ready = path.as_ref().and_then(|path| path.prepare(&simulation).ok());
+        let beaten = match ready {
+            Some(ready) => Ok(ready.run(|_progress| true)),
+            None => simulation.build().map(|ready| ready.run(|_progress| true)),
+        };
+        let name = &fits.cells[number].name;
+        match beaten {
+            Ok(outcome) => {
+                let page = page::html(name, fit, self, &run, &run_file, (&simulation, &outcome))?;
+                folder.write(&format!("{within}{FILE}"), page)?;
+            }
+            Err(error) => observer.warn(&format!("{name}: there is no {FILE}: {error}")),
+        }
+        Ok(())
+    }
+}
+
+/// The simulation of a run with what was found.
+pub(super) fn simulation(fitter: &Fitter, run: &Run) -> Simulation {
+    let mut simulation = fitter.simulation().clone();
+    simulation.cell = run.cell.clone();
+    simulation.peak_tension = run.peak_tension;
+    simulation.material = run.material.clone();
+    simulation.protocol = run.protocol;
+    simulation.duration = run.duration;
+    simulation.numerics.method = run.numerics.method;
+    simulation
+}

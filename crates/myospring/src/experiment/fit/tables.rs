@@ -1,0 +1,144 @@
+//! Fits as tables, and as figures have them.
+
+use super::FittedCell;
+use crate::fit::{self, Estimate, Fit, FitVerdict};
+use crate::output::figure::{FittedCurve, LikelihoodProfile};
+use crate::output::table::{Column, Table, column_name};
+
+/// Every frame of every curve.
+pub(super) fn curves(fit: &Fit) -> Table {
+    let mut columns = Vec::new();
+    let several = fit.curves.len() > 1;
+    let number = |name: String, values: Vec<f64>| Column::Number {
+        name,
+        values: values.into_iter().map(Some).collect(),
+    };
+    let all = |of: &dyn Fn(&fit::FittedCurve) -> Vec<f64>| -> Vec<f64> {
+        fit.curves.iter().flat_map(of).collect()
+    };
+    if several {
+        let names = fit
+            .curves
+            .iter()
+            .flat_map(|curve| curve.times_ms.iter().map(|_| Some(curve.name.clone())));
+        columns.push(Column::Text { name: "curve".to_owned(), values: names.collect() });
+    }
+    let unit = fit.curves.first().map_or("", |curve| curve.unit.as_str());
+    columns.push(number("t_ms".to_owned(), all(&|curve| curve.times_ms.clone())));
+    columns.push(number(column_name("measured", unit), all(&|curve| curve.measured.clone())));
+    columns.push(number(column_name("fitted", unit), all(&|curve| curve.fitted.clone())));
+    let left = |curve: &fit::FittedCurve| {
+        curve.measured.iter().zip(&curve.fitted).map(|(a, b)| a - b).collect()
+    };
+    columns.push(number(column_name("left", unit), all(&left)));
+    let used =
+        fit.curves.iter().flat_map(|curve| curve.used.iter().map(|used| Some(used.to_string())));
+    columns.push(Column::Text { name: "used".to_owned(), values: used.collect() });
+    Table { columns }
+}
+
+/// One row a cell.
+pub(super) fn cells(cells: &[FittedCell]) -> Table {
+    let text = |name: &str, of: &dyn Fn(&FittedCell) -> String| Column::Text {
+        name: name.to_owned(),
+        values: cells.iter().map(|cell| Some(of(cell))).collect(),
+    };
+    let mut columns = vec![text("cell", &|cell| cell.name.clone())];
+    let mut names: Vec<(String, String)> = Vec::new();
+    for fit in cells.iter().filter_map(|cell| cell.found.as_ref().ok()) {
+        for estimate in &fit.estimates {
+            let named = (estimate.name.clone(), estimate.unit.clone());
+            if !names.contains(&named) {
+                names.push(named);
+            }
+        }
+    }
+    for (name, unit) in &names {
+        let number = |what: &str, of: &dyn Fn(&Estimate) -> Option<f64>| Column::Number {
+            name: column_name(&format!("{name}{what}"), unit),
+            values: cells
+                .iter()
+                .map(|cell| cell.found.as_ref().ok()?.estimate(name).and_then(of))
+                .collect(),
+        };
+        columns.push(number("", &|estimate| Some(estimate.value)));
+        columns.push(number("_from", &|estimate| estimate.interval[0]));
+        columns.push(number("_to", &|estimate| estimate.interval[1]));
+        let verdict = |cell: &FittedCell| {
+            let found = cell.found.as_ref().ok().and_then(|fit| fit.estimate(name));
+            found.map_or_else(String::new, |estimate| estimate.verdict.words().to_owned())
+        };
+        columns.push(text(&format!("{name}_verdict"), &verdict));
+    }
+    let fits = |of: &dyn Fn(&Fit) -> f64| -> Vec<Option<f64>> {
+        cells.iter().map(|cell| cell.found.as_ref().ok().map(of)).collect()
+    };
+    columns.push(Column::Number {
+        name: "reduced_chi_squared".to_owned(),
+        values: fits(&|fit| fit.reduced_chi_squared),
+    });
+    columns.push(Column::Number {
+        name: "unexplained".to_owned(),
+        values: fits(&|fit| fit.curves.iter().map(|curve| curve.unexplained).fold(0.0, f64::max)),
+    });
+    columns.push(text("verdict", &|cell| match &cell.found {
+        Ok(fit) => fit.verdict.word().to_owned(),
+        Err(_) => String::new(),
+    }));
+    columns
+        .push(text("status", &|cell| if cell.found.is_ok() { "ok" } else { "failed" }.to_owned()));
+    columns.push(text("reason", &|cell| match &cell.found {
+        Ok(fit) => fit.verdicts.join("; "),
+        Err(reason) => reason.to_string(),
+    }));
+    Table { columns }
+}
+
+fn micro(unit: &str) -> String {
+    unit.replace("um", "\u{b5}m")
+}
+
+pub(super) fn drawn(fit: &Fit) -> Vec<FittedCurve> {
+    let one = |curve: &fit::FittedCurve| {
+        let unit = micro(&curve.unit);
+        let what = match curve.scale {
+            fit::Scale::Length => "Length",
+            fit::Scale::Percent => "Shortening",
+            fit::Scale::Arbitrary => "Contraction",
+        };
+        let label = if unit.is_empty() { what.to_owned() } else { format!("{what} ({unit})") };
+        FittedCurve {
+            label,
+            unit,
+            times_ms: curve.times_ms.clone(),
+            measured: curve.measured.clone(),
+            fitted: curve.fitted.clone(),
+            used: curve.used.clone(),
+            noise: curve.noise,
+            warning: (curve.verdict() == FitVerdict::DoesNotFit).then(|| {
+                let off = 100.0 * curve.misfit / curve.height();
+                format!("The model does not fit: it is off by {off:.0} % of the height of a beat")
+            }),
+            stimuli_ms: curve.stimuli_ms.clone(),
+        }
+    };
+    fit.curves.iter().map(one).collect()
+}
+
+/// The likelihood profile of each parameter; empty where the model does not fit.
+pub(super) fn profiles(fit: &Fit) -> Vec<LikelihoodProfile> {
+    let one = |estimate: &Estimate| {
+        let (name, unit) = (estimate.name.replace('_', " "), micro(&estimate.unit));
+        let symbol = estimate.name.len() <= 5;
+        let name = if symbol { estimate.name.clone() } else { name };
+        LikelihoodProfile {
+            label: if unit.is_empty() { name } else { format!("{name} ({unit})") },
+            value: estimate.value,
+            interval: estimate.interval,
+            points: estimate.profile.clone(),
+            at_ends: fit.rise_at_ends,
+        }
+    };
+    let sure = fit.estimates.iter().filter(|estimate| !estimate.profile.is_empty());
+    sure.map(one).collect()
+}

@@ -1,0 +1,65 @@
+//! The numbers of fits as people read them.
+
+use crate::fit::{Estimate, Fit, FitVerdict, FittedCurve};
+
+/// Name, value, 95 % interval and verdict of every estimate.
+pub fn estimates(fit: &Fit) -> Vec<[String; 4]> {
+    let row = |estimate: &Estimate| {
+        [
+            estimate.name.clone(),
+            with_unit(precise(estimate.value, estimate), &estimate.unit),
+            interval(estimate, fit.verdict),
+            estimate.verdict.words().to_owned(),
+        ]
+    };
+    fit.estimates.iter().map(row).collect()
+}
+
+/// Whether the cell follows its curves, before any number.
+pub fn headline(fit: &Fit) -> String {
+    format!("The model {}.", fit.verdict.words())
+}
+
+/// How large the residuals of a curve are, and its noise.
+pub fn residual(curve: &FittedCurve) -> String {
+    format!(
+        "{}: residual {} (root mean square of {} frames), noise at rest {}",
+        curve.name,
+        with_unit(three_digits(curve.residual), &curve.unit),
+        curve.used.iter().filter(|used| **used).count(),
+        with_unit(three_digits(curve.noise), &curve.unit),
+    )
+}
+
+/// Three significant digits: residuals of a stretch are small.
+fn three_digits(value: f64) -> String {
+    let digits = if value > 0.0 { 2.0 - value.log10().floor() } else { 0.0 };
+    format!("{value:.*}", digits.clamp(0.0, 9.0) as usize)
+}
+
+fn interval(estimate: &Estimate, of: FitVerdict) -> String {
+    if of == FitVerdict::DoesNotFit {
+        return "none".to_owned();
+    }
+    let end = |end: f64| precise(end, estimate);
+    match estimate.interval {
+        [Some(low), Some(high)] => format!("{} to {}", end(low), end(high)),
+        [Some(low), None] => format!("from {}", end(low)),
+        [None, Some(high)] => format!("up to {}", end(high)),
+        [None, None] => "any".to_owned(),
+    }
+}
+
+/// As many digits as the interval is worth, and one more.
+pub fn precise(value: f64, estimate: &Estimate) -> String {
+    let width = match estimate.interval {
+        [Some(low), Some(high)] if high > low => high - low,
+        _ => value.abs(),
+    };
+    let digits = (1.0 - width.max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.digits$}")
+}
+
+fn with_unit(text: String, unit: &str) -> String {
+    if unit.is_empty() { text } else { format!("{text} {unit}") }
+}
