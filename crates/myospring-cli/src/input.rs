@@ -6,21 +6,10 @@ use crate::files::FILES;
 use crate::interrupt;
 use crate::options::Given;
 use myospring::experiment::input;
-pub(crate) use myospring::experiment::input::{Input, ending};
+pub(crate) use myospring::experiment::input::ending;
 use myospring::experiment::refused::Place;
 use myospring::run_file::Run;
 use std::path::{Path, PathBuf};
-
-/// Reads and checks everything and meshes the shape. Of a picture that gives no cell an overlay is written beside
-/// the results that there will not be, unless nothing is to be written.
-pub(crate) fn read(
-    path: Option<&Path>,
-    overrides: &[Given],
-    results: Option<&OutputArgs>,
-) -> Result<Input, Failure> {
-    let refused = |name: &str| results.map(|args| refusals(args, name));
-    input::read(path, overrides, refused, &FILES, &interrupt::interruption())
-}
 
 /// Where the overlay of a picture goes that is refused: beside the results that there will not be.
 pub(crate) fn refusals(args: &OutputArgs, name: &str) -> Place {
