@@ -133,8 +133,8 @@ def keys(rows: list[dict[str, Any]], indent: str) -> str:
 SETS = {
     "beat": of_beat(),
     "image": of_image(),
-    # Of a film the size of a pixel is an argument of its own, and `cell` that of `fit`.
-    "film": [row for row in of_image() if row["name"] not in ("pixel_size_um", "cell")],
+    # Of a film the size of a pixel is an argument of its own, and `fit` has another cell and another seed.
+    "film": [row for row in of_image() if row["name"] not in ("pixel_size_um", "cell", "seed")],
     "mask": of_mask(),
     "outline": chosen(OUTLINE),
     "built_in": chosen(("rotate_deg", "spacing_um")),

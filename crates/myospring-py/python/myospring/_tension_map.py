@@ -35,7 +35,6 @@ class FilmSettings(BeatSettings, total=False):
     z: int | str | None
     threshold: float | None
     smooth_um: float | None
-    seed: tuple[float, float] | None
     min_area_um2: float | None
     max_area_um2: float | None
     allow_cut: bool
@@ -53,7 +52,6 @@ _FILM_KEYS: Mapping[str, tuple[str, Any]] = {
     "z": ("segmentation.z", None),
     "threshold": ("segmentation.threshold", None),
     "smooth_um": ("segmentation.smooth", None),
-    "seed": ("segmentation.seed", None),
     "min_area_um2": ("segmentation.min_area", None),
     "max_area_um2": ("segmentation.max_area", None),
     "allow_cut": ("segmentation.allow_cut", False),
@@ -198,7 +196,7 @@ def tension_map(
         Hears of each step: stage, steps that are done, all steps.
     **settings
         What is known of the cell: the settings of `simulate`, of which ``young_modulus_kpa``, ``support`` and
-        ``bed_stiffness_kpa_per_um`` matter most, and those of `Cell.from_image`, which find it in the frame at rest (``seed`` chooses among several).
+        ``bed_stiffness_kpa_per_um`` matter most, and those of `Cell.from_image`, which find it in the frame at rest (``outline`` says which, where there are several).
 
     Returns
     -------
