@@ -13,8 +13,8 @@ pub(super) fn for_people(fits: &Fits) -> String {
         [FittedCell { found: Ok(fit), .. }] => one(fit),
         _ => several(fits),
     };
-    let shapes = fits.shapes.iter().map(|shapes| shapes.words());
-    for line in shapes.chain(fits.map.iter().map(|map| map.words())) {
+    let shapes = fits.shapes.iter().map(Shapes::words);
+    for line in shapes.chain(fits.map.iter().map(FilmMap::words)) {
         let newline = if text.ends_with('\n') { "" } else { "\n" };
         let _ = write!(text, "{newline}{line}");
     }
