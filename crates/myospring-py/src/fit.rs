@@ -190,7 +190,7 @@ pub(crate) struct FilmFit {
 
 /// Fits the cell of a film to its own motion; `given` are settings by key.
 #[pyfunction]
-#[pyo3(signature = (film, given, reading, asked, threads, progress))]
+#[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
 pub(crate) fn fit_film(
     py: Python<'_>,
     film: PathBuf,

@@ -2,7 +2,8 @@
 
 use crate::table::aligned;
 use myospring::experiment::fit::words::{estimates, headline, precise, residual};
-use myospring::experiment::fit::{Fits, FittedCell};
+use myospring::experiment::fit::{Fits, FittedCell, Shapes};
+use myospring::experiment::tension_map::FilmMap;
 use myospring::fit::Fit;
 use std::fmt::Write as _;
 use std::time::Duration;
