@@ -1,7 +1,7 @@
 //! A cell model of one's own, as docs/tutorials/own-model.md goes through it.
 #![allow(clippy::print_stdout, reason = "an example talks")]
 
-use myospring::cell::{Input, ModelError, StateVariable, Stimulation, TensionKind};
+use myospring::cell::{Input, ModelError, StateVariable, Stimulation, TensionKind, required};
 use myospring::parameter::{Parameter, ParameterSet};
 use myospring::prelude::*;
 use std::sync::Arc;
@@ -17,8 +17,7 @@ struct AlievPanfilov {
 
 impl AlievPanfilov {
     fn new(parameters: ParameterSet) -> Result<Self, ModelError> {
-        let read =
-            |name| parameters.get(name).ok_or_else(|| ModelError::missing("aliev_panfilov", name));
+        let read = |name| required("aliev_panfilov", &parameters, name);
         let state = |name: &'static str, unit: &'static str, meaning: &'static str| StateVariable {
             name: name.into(),
             unit: unit.into(),
