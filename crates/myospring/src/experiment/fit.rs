@@ -1,58 +1,37 @@
 //! A cell's own parameters from its measured curves, or from a film of its beat.
 
 mod curves;
+mod description;
 mod files;
 mod film;
+mod outcome;
 mod page;
 mod shapes;
+mod simulation;
 mod tables;
 pub mod words;
 
 use super::input::{self, Given, Input};
-use super::refused::Place;
 use super::tension_map::FilmMap;
-use super::{Beats, Experiment, ExperimentError, Files, Folder, Observer, Outcome};
-use crate::fit::{FitError, Fitter, Loaded, Observed, Settings, Sought};
+use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
+use crate::fit::{FitError, Fitter, Loaded, Observed, Settings};
 use crate::interruption::Interruption;
-use crate::measured::{Curve, Options};
-use crate::mesh::outline::Outline;
-use crate::mesh::quality::MeshReport;
+use crate::measured::Curve;
 use crate::settings::{self, Run, Shaped, Value};
 use crate::study::Threads;
 pub use curves::{Spring, between_springs, observed, of_table};
+pub use description::Fit;
 pub use film::Film;
+use outcome::Work;
+pub use outcome::{Fits, FittedCell};
 use serde::Serialize;
 pub use shapes::Shapes;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 /// Steps of the progress of all fits.
 const STEPS: f64 = 1000.0;
-
-/// What is fitted, to what, and how.
-#[derive(Default)]
-pub struct Fit {
-    /// A picture, an outline or a run file of the cell; `None`: the cell of the film, or the built-in one.
-    pub cell: Option<PathBuf>,
-    /// Tables of curves and folders of them, each curve a cell; or one film. Without any `cell` is the film.
-    pub to: Vec<PathBuf>,
-    /// Settings, which override those of a run file.
-    pub settings: Vec<Given>,
-    /// How tables are read; of a film its frame rate, its curve (`values`) and the part that counts.
-    pub table: Options,
-    /// When the cell was stimulated.
-    pub beats: Beats,
-    /// Curves of the same cell between springs.
-    pub loaded: Vec<Spring>,
-    /// What is sought.
-    pub sought: Sought,
-    /// Threads of the fits; `None` takes as many as there are cores.
-    pub threads: Option<usize>,
-    /// Where the overlay of a picture goes that gives no cell.
-    pub refused: Option<Place>,
-}
 
 /// A fit whose files are read, and whose film is followed.
 pub struct Ready {
@@ -64,47 +43,6 @@ pub struct Ready {
     /// `None` where following the film was interrupted.
     work: Option<Work>,
     notes: Vec<String>,
-}
-
-/// What is to be fitted.
-struct Work {
-    run: Run,
-    fitter: Fitter,
-    report: MeshReport,
-    outline: Outline,
-    settings: Settings,
-    beats: Beats,
-    curves: Vec<curves::Named>,
-    loaded: Vec<Loaded>,
-    /// Whether the cell is that of the film.
-    own: bool,
-    threads: Option<usize>,
-    files: Files,
-}
-
-/// A cell and its fit, or why there is none.
-pub struct FittedCell {
-    /// Name of its curve.
-    pub name: String,
-    /// The fit.
-    pub found: Result<crate::fit::Fit, ExperimentError>,
-}
-
-/// What came of fits.
-pub struct Fits {
-    /// Name of the cell's shape.
-    pub name: String,
-    /// A cell for each curve, in their order; fewer where the work was interrupted.
-    pub cells: Vec<FittedCell>,
-    /// The film that was followed.
-    pub film: Option<Film>,
-    /// Where the film's cell pulls.
-    pub map: Option<FilmMap>,
-    /// The film's cell and the fitted one at their peak.
-    pub shapes: Option<Shapes>,
-    /// What was assumed, and what was odd when files were read.
-    pub notes: Vec<String>,
-    work: Option<Work>,
 }
 
 impl Experiment for Fit {

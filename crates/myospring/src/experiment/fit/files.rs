@@ -1,17 +1,18 @@
 //! The files of fits.
 
+use super::outcome::{Fits, FittedCell, Shared, Work};
+use super::page;
 use super::shapes::{self, Shapes};
+use super::simulation::simulation;
 use super::tables;
-use super::{Fits, FittedCell, Work, page};
 use crate::experiment::run::{FILE, resolved};
 use crate::experiment::tension_map::{self, FilmMap};
 use crate::experiment::{ExperimentError, Folder, Inputs, Observer};
-use crate::fit::{Fit, Fitter};
+use crate::fit::Fit;
 use crate::integrate::quasi_static::Tolerance;
 use crate::output::figure::{self, Theme};
 use crate::output::json;
 use crate::settings::Run;
-use crate::simulation::{SharedPath, Simulation};
 use serde::Serialize;
 
 /// fit.json.
@@ -52,17 +53,6 @@ pub(super) fn records<'a>(fits: &'a Fits) -> Vec<Record<'a>> {
         notes: &fits.notes,
     };
     fits.cells.iter().map(record).collect()
-}
-
-/// What the files of all cells have in common.
-pub(super) struct Shared<'a> {
-    pub(super) fits: &'a Fits,
-    pub(super) work: &'a Work,
-    /// The run of the cell before it was fitted.
-    run: &'a Run,
-    pub(super) inputs: Inputs,
-    /// Equilibria of all cells, unless stiffness was fitted, too.
-    path: Option<SharedPath>,
 }
 
 /// Writes what is to be written of all cells.
@@ -136,16 +126,4 @@ impl Shared<'_> {
         }
         Ok(())
     }
-}
-
-/// The simulation of a run with what was found.
-pub(super) fn simulation(fitter: &Fitter, run: &Run) -> Simulation {
-    let mut simulation = fitter.simulation().clone();
-    simulation.cell = run.cell.clone();
-    simulation.peak_tension = run.peak_tension;
-    simulation.material = run.material.clone();
-    simulation.protocol = run.protocol;
-    simulation.duration = run.duration;
-    simulation.numerics.method = run.numerics.method;
-    simulation
 }

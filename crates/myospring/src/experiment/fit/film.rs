@@ -1,7 +1,7 @@
 //! Fits to films: the cell is followed, and its stretch is the curve.
 
-use super::Fit;
 use super::curves::Named;
+use super::description::Fit;
 use crate::analysis::kind::Kind;
 
 use crate::experiment::input::Given;

@@ -1,7 +1,7 @@
 //! `report.html` of a fit: the page of a run, with the fitted cell, beside the curve that it was fitted to.
 
-use super::files::Shared;
-use super::{Fits, tables, words};
+use super::outcome::{Fits, Shared};
+use super::{tables, words};
 use crate::cell::CellModel;
 use crate::experiment::run::parameters;
 use crate::experiment::{ExperimentError, citations};

@@ -1,6 +1,6 @@
 //! The cell of a film beside the fitted one, both at their peak.
 
-use super::files::simulation;
+use super::simulation::simulation;
 use crate::experiment::track::Followed;
 use crate::experiment::{ExperimentError, Folder, Observer};
 use crate::fit::{Fit, Fitter};

@@ -1,0 +1,64 @@
+//! What comes of fits, and what they work on.
+
+use super::curves::Named;
+use super::film::Film;
+use super::shapes::Shapes;
+use crate::experiment::tension_map::FilmMap;
+use crate::experiment::{Beats, ExperimentError, Files, Inputs};
+use crate::fit::{Fitter, Loaded, Settings};
+use crate::mesh::outline::Outline;
+use crate::mesh::quality::MeshReport;
+use crate::settings::Run;
+use crate::simulation::SharedPath;
+
+/// What is to be fitted.
+pub(super) struct Work {
+    pub(super) run: Run,
+    pub(super) fitter: Fitter,
+    pub(super) report: MeshReport,
+    pub(super) outline: Outline,
+    pub(super) settings: Settings,
+    pub(super) beats: Beats,
+    pub(super) curves: Vec<Named>,
+    pub(super) loaded: Vec<Loaded>,
+    /// Whether the cell is that of the film.
+    pub(super) own: bool,
+    pub(super) threads: Option<usize>,
+    pub(super) files: Files,
+}
+
+/// A cell and its fit, or why there is none.
+pub struct FittedCell {
+    /// Name of its curve.
+    pub name: String,
+    /// The fit.
+    pub found: Result<crate::fit::Fit, ExperimentError>,
+}
+
+/// What came of fits.
+pub struct Fits {
+    /// Name of the cell's shape.
+    pub name: String,
+    /// A cell for each curve, in their order; fewer where the work was interrupted.
+    pub cells: Vec<FittedCell>,
+    /// The film that was followed.
+    pub film: Option<Film>,
+    /// Where the film's cell pulls.
+    pub map: Option<FilmMap>,
+    /// The film's cell and the fitted one at their peak.
+    pub shapes: Option<Shapes>,
+    /// What was assumed, and what was odd when files were read.
+    pub notes: Vec<String>,
+    pub(super) work: Option<Work>,
+}
+
+/// What the files of all cells have in common.
+pub(super) struct Shared<'a> {
+    pub(super) fits: &'a Fits,
+    pub(super) work: &'a Work,
+    /// The run of the cell before it was fitted.
+    pub(super) run: &'a Run,
+    pub(super) inputs: Inputs,
+    /// Equilibria of all cells, unless stiffness was fitted, too.
+    pub(super) path: Option<SharedPath>,
+}
