@@ -1,6 +1,6 @@
 //! Many cells without a mesh, each with a model, parameters and pacing of its own.
 //!
-//! Models that support it ([`SideBySide`](super::cell_model::SideBySide)) integrate several cells
+//! Models that support it ([`SideBySide`]) integrate several cells
 //! at once in vector registers, for one method: `adaptive` for the minimal models, `stiff` for
 //! ToR-ORd. All others are integrated one after the other. **The result of a cell is bitwise the
 //! same** alone, in any batch and in any order. [`run`] uses only the calling thread; for several
