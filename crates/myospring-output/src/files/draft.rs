@@ -158,7 +158,8 @@ mod tests {
         let [beat, other] =
             ["beat", "other"].map(|name| Draft::begin(&results.join(name)).unwrap());
         fs::write(place.path().join("all/mine.txt"), "").unwrap();
-        drop((beat, other));
+        // The one that made them goes last.
+        drop((other, beat));
         assert_eq!(names(place.path()), ["all"]);
         assert_eq!(names(&place.path().join("all")), ["mine.txt"]);
     }
