@@ -47,7 +47,7 @@ const COLUMNS: [Column; 12] = [
 /// A run that is over.
 #[pyclass(frozen, module = "myospring._native")]
 pub(crate) struct Beat {
-    cell: Arc<Inner>,
+    pub(crate) cell: Arc<Inner>,
     /// The settings that were given, those of the cell included.
     file: RunFile,
     pub(crate) beaten: Beaten,

@@ -9,6 +9,7 @@ use myospring::experiment::Files;
 use myospring::experiment::compare::{Compare, Compared, Side, Source};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// What is compared: a beat with its name, or a file.
@@ -43,20 +44,23 @@ pub(crate) fn compare(
     };
     let scale = scale.into_iter().map(|(label, all)| Dose { label, factors: factors(all) });
     let doses = doses.map(|text| dose::read(&text).map_err(errors::value)).transpose()?;
+    let mut held = BTreeMap::new();
+    let sources = inputs.into_iter().map(|input| source(input, &mut held));
     let description = Compare {
-        inputs: inputs.into_iter().map(source).collect::<PyResult<_>>()?,
+        inputs: sources.collect::<PyResult<_>>()?,
         settings: settings::list(given)?,
         scale: scale.collect(),
         doses: doses.unwrap_or_default(),
         threads,
         results: None,
     };
-    let files = Files::default();
+    let files = Files::holding(held);
     let outcome = experiment::run(py, &description, &files, progress)?;
     Ok(Comparison { files, outcome })
 }
 
-fn source(input: Input) -> PyResult<Source> {
+/// An input as the library takes it; files of beats go to `held`, by names that no other content has.
+fn source(input: Input, held: &mut BTreeMap<String, Vec<u8>>) -> PyResult<Source> {
     let (label, beat) = match input {
         Input::Path(path) => return Ok(Source::Path(path)),
         Input::Beat(label, beat) => (label, beat),
@@ -71,7 +75,20 @@ fn source(input: Input) -> PyResult<Source> {
         outcome,
         beaten.shape_sha256.clone(),
     );
-    Ok(Source::Run(Box::new(side.map_err(|error| errors::of_experiment(&error))?)))
+    let mut side = side.map_err(|error| errors::of_experiment(&error))?;
+    for path in side.file.paths_mut() {
+        let Ok(bytes) = beat.get().cell.read(path) else { continue };
+        let own = PathBuf::from(&*path);
+        let name = own.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        for number in 2.. {
+            if held.get(path).is_none_or(|other| *other == bytes) {
+                break;
+            }
+            *path = own.with_file_name(format!("{number}_{name}")).display().to_string();
+        }
+        held.insert(path.clone(), bytes);
+    }
+    Ok(Source::Run(Box::new(side)))
 }
 
 #[pymethods]

@@ -129,6 +129,18 @@ def test_beats_are_compared_with_factors_and_doses(cell, beat, tmp_path):
         myospring.compare(beat)
 
 
+def test_beats_of_arrays_are_run_anew_with_factors():
+    y, x = np.mgrid[:60, :160]
+    masks = [((x - 80) / half) ** 2 + ((y - 30) / 14) ** 2 < 1 for half in (60, 70)]
+    cells = [myospring.Cell.from_mask(mask, pixel_size_um=1, spacing_um=4) for mask in masks]
+    beats = [myospring.simulate(cell, integrator="quasi-static") for cell in cells]
+    found = myospring.compare(*beats, scale={"weaker": {"peak_tension": 0.5}})
+    lengths = found.metrics["resting_length"]
+    # Two arrays have one name, and each run has its own.
+    assert lengths[0] == pytest.approx(lengths[1]) and lengths[2] == pytest.approx(lengths[3])
+    assert lengths[2] - lengths[0] == pytest.approx(20, abs=3)
+
+
 def test_a_saved_beat_is_read_back(cell, tmp_path):
     beat = myospring.simulate(cell, integrator="quasi-static", peak_tension_kpa=30)
     again = myospring.Beat.load(beat.save(tmp_path / "kept", outputs=["frames"]))

@@ -79,6 +79,6 @@ mod tests {
     fn what_is_no_text_says_what_it_is() {
         assert!(decoded(b"PK\x03\x04....").unwrap_err().contains(".xlsx"));
         assert!(decoded(b"\xd0\xcf\x11\xe0").unwrap_err().contains("save it as .xlsx"));
-        assert!(decoded(b"IXT\x00\x01\x02\x03").unwrap_err().contains("no text"));
+        assert!(decoded(b"IXT\x00\x01\x02\x03").unwrap_err().contains("not a text file"));
     }
 }

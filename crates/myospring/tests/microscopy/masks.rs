@@ -172,7 +172,9 @@ fn values_that_mark_no_cell_are_refused() {
 #[test]
 fn an_empty_and_a_full_mask_are_refused() {
     let plain = |value| common::png([8, 4], 1, &[value; 32]);
-    assert!(error(&plain(0)).starts_with("all 8 x 4 pixels have the same value, 0: there is no"));
+    assert!(
+        error(&plain(0)).starts_with("all 8 x 4 pixels have the same value, 0: no cell is visible")
+    );
     assert!(error(&plain(255)).starts_with("all 8 x 4 pixels have the same value, 255"));
 }
 
