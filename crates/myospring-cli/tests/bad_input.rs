@@ -211,11 +211,11 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         ),
         (
             vec!["run", "damaged.roi", PIXELS[0], PIXELS[1]],
-            &["damaged.roi is damaged, or no ImageJ ROI", "save it again in Fiji"],
+            &["damaged.roi is damaged, or not a valid ImageJ ROI", "save it again in Fiji"],
         ),
         (
             vec!["run", "good.png", PIXELS[0], PIXELS[1], "--outline", "damaged.roi"],
-            &["damaged.roi is damaged, or no ImageJ ROI"],
+            &["damaged.roi is damaged, or not a valid ImageJ ROI"],
         ),
         (vec!["run", "beat.csv"], &["a table of measured curves", "`myospring analyse beat.csv`"]),
         (vec!["segment", "beat.csv"], &["a table of measured curves", "fit --to beat.csv"]),

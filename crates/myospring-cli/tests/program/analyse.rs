@@ -51,7 +51,7 @@ fn the_beats_of_a_table_are_measured_drawn_and_printed_with_units() {
     let summary = fs::read_to_string(results.join("summary.csv")).unwrap();
     let line = summary.lines().find(|line| line.contains("peak_shortening,")).unwrap();
     assert!(
-        line.contains("resting length - length") && line.contains("drift: taken off"),
+        line.contains("resting length - length") && line.contains("drift: subtracted"),
         "{line}"
     );
 
@@ -96,7 +96,7 @@ fn several_files_and_cells_stimuli_and_musclemotion_are_taken_in_one_command() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let (text, warnings) = (stdout(&output), stderr(&output));
     assert!(text.contains("contraction.txt: 2"), "{text}");
-    assert!(warnings.contains("passed over") && warnings.contains("`cell 3`"), "{warnings}");
+    assert!(warnings.contains("ignored") && warnings.contains("`cell 3`"), "{warnings}");
     let rows = fs::read_to_string(folder.path().join("results/beats/metrics.csv")).unwrap();
     assert_eq!(rows.lines().count(), 1 + 3 * 5);
     assert!(rows.contains("time_to_peak_from_stimulus_ms"), "{rows}");

@@ -90,7 +90,7 @@ const ROWS: &[Row] = &[
     ("c.xls", Made(|| [&[0xd0, 0xcf, 0x11, 0xe0, 0xa1, 0xb1, 0x1a, 0xe1][..], &[0; 600]].concat()), "analyse c.xls", 2, &["`c.xls`", "save it as .xlsx or CSV"]),
     ("", Damage::None, "analyse curve.csv --stimulus-period 1e300ms", 2, &["--stimulus-period is 1e300 ms"]),
     ("", Damage::None, "analyse curve.csv --stimulus-times 1e300", 2, &["none of 1 stimuli falls into the recording, from 0 to 2980 ms"]),
-    ("", Damage::None, "analyse curve.csv --from 1e300ms", 2, &["lies from 1e300 to 2980 ms"]),
+    ("", Damage::None, "analyse curve.csv --from 1e300ms", 2, &["no values from 1e300 to 2980 ms"]),
     ("", Damage::None, "analyse curve.csv --smooth 1e300ms", 2, &["--smooth is 1e300 ms"]),
     ("", Damage::None, "fit --to curve.csv --bounds c_0=1e-300:1e300", 2, &["`c_0` is sought between 1e-300 and 1e300"]),
     ("", Damage::None, "fit --to curve.csv --loaded 1e300nN/um=curve.csv", 2, &["--loaded: 1e300 nN/um"]),
@@ -107,7 +107,7 @@ const ROWS: &[Row] = &[
     ("rois.zip", Made(|| [&b"PK\x05\x06"[..], &[0; 10]].concat()), "mesh rois.zip --pixel-size 0.5um", 2, &["`rois.zip`"]),
     // Run files.
     ("run.toml", All("[shape\nspacing = \"5 um\""), RUN, 2, &["run.toml, line 1, column 7", "unclosed table"]),
-    ("run.toml", All("[shape]\nspacing = \"5\0 um\"\n"), RUN, 2, &["`run.toml` is no text"]),
+    ("run.toml", All("[shape]\nspacing = \"5\0 um\"\n"), RUN, 2, &["`run.toml` is not a text file"]),
     ("run.toml", All("[stimulus]\namplitude = inf\n"), RUN, 2, &["`stimulus.amplitude` = inf is not a finite number"]),
     ("run.toml", All("[material]\nthickness = 2020-01-01\n"), RUN, 2, &["`material.thickness` is the date 2020-01-01"]),
     ("run.toml", Made(|| [&b"a = "[..], &b"[".repeat(100_000)].concat()), RUN, 2, &["max recursion depth"]),

@@ -116,7 +116,7 @@ fn words(given: &Scatter) -> Vec<(Mark, String)> {
     if let Some(kept) = &given.kept {
         let kept = kept.iter().zip(&given.metric.values);
         let kept = kept.filter(|(kept, value)| **kept && value.is_finite()).count();
-        all.push((Mark::Patch(POTENTIAL), format!("{kept} members accepted")));
+        all.push((Mark::Patch(POTENTIAL), format!("{kept} members kept")));
         all.push((Mark::Patch(REJECTED), format!("{} rejected", there - kept)));
     } else {
         all.push((Mark::Patch(POTENTIAL), format!("{there} members")));
