@@ -64,7 +64,7 @@ pub fn distributions(
     let mut words = Vec::new();
     if let Some(kept) = kept {
         let count = kept.iter().filter(|kept| **kept).count();
-        words.push((Mark::Patch(POTENTIAL), format!("{count} members accepted")));
+        words.push((Mark::Patch(POTENTIAL), format!("{count} members kept")));
         words.push((Mark::Patch(REJECTED), "rejected (stacked on top)".to_owned()));
     } else {
         words.push((Mark::Patch(POTENTIAL), "all members".to_owned()));
