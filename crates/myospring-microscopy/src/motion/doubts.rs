@@ -4,10 +4,21 @@ use super::{FEWEST_PARTS, Motion};
 
 /// Share of interpolated points from which on the user is told, per cent.
 const MANY_INTERPOLATED_PCT: f64 = 30.0;
+/// Share of interpolated points above which a frame shows too little of the cell: with more than half of them missing,
+/// neighbours that were found no longer surround those that were not.
+const UNSEEN: f64 = 0.5;
 /// Part of its excursion by which a cell may be longer than at rest.
 const LONGER: f64 = 0.5;
 
 impl Motion {
+    /// Indices of the frames in which at least half of the points were found, or of all frames if there is none. Only
+    /// these count for the largest contraction: a black or blurred frame shows no motion of the cell.
+    pub fn seen_frames(&self) -> Vec<usize> {
+        let seen: Vec<usize> =
+            (0..self.len()).filter(|&at| self.interpolated_share(at) <= UNSEEN).collect();
+        if seen.is_empty() { (0..self.len()).collect() } else { seen }
+    }
+
     /// What limits the numbers of this motion, in sentences: sarcomeres that are too few for a mean, many interpolated points,
     /// a cell that hardly moves, a frame at rest that is none.
     pub fn doubts(&self) -> Vec<String> {
@@ -32,9 +43,16 @@ impl Motion {
         let many: Vec<(usize, f64)> =
             shares.filter(|(_, pct)| *pct > MANY_INTERPOLATED_PCT).collect();
         let (at, pct) = many.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let unseen = match self.len() - self.seen_frames().len() {
+            0 => String::new(),
+            unseen => format!(
+                "; {unseen} of them, with more than {:.0} %, do not count for the largest contraction",
+                100.0 * UNSEEN
+            ),
+        };
         Some(format!(
             "in {} frames more than {MANY_INTERPOLATED_PCT} % of the points were not found again but interpolated from \
-             their neighbours (frame {}: {pct:.0} %)",
+             their neighbours (frame {}: {pct:.0} %){unseen}",
             many.len(),
             self.frames[*at]
         ))
@@ -43,11 +61,13 @@ impl Motion {
     fn without_rest(&self) -> Option<String> {
         let lengths = self.lengths_um();
         let rest = lengths[self.rest_index()];
-        let shortening = || lengths.iter().map(|length| 100.0 * (1.0 - length / rest));
+        let seen = self.seen_frames();
+        let shortening = || seen.iter().map(|&at| 100.0 * (1.0 - lengths[at] / rest));
         let shortest = shortening().fold(0.0, f64::max);
         let longest = shortening().map(|pct| -pct).fold(0.0, f64::max);
         let stretches = self.stretches();
-        let strained = stretches.iter().map(|it| 100.0 * (1.0 - it.smaller)).fold(0.0, f64::max);
+        let strains = seen.iter().map(|&at| 100.0 * (1.0 - stretches[at].smaller));
+        let strained = strains.fold(0.0, f64::max);
         let error_pct = 100.0 * self.error_um.unwrap_or(0.0) / rest;
         let least = self.least_contraction_pct();
         if shortest.max(longest).max(strained) < least {

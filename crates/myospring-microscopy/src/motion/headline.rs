@@ -129,11 +129,12 @@ impl Headline {
 impl Motion {
     /// Chooses the measure of contraction for this film; see [`Measure`].
     pub fn headline(&self) -> Headline {
-        let lengths = self.lengths_um();
-        let stretches = self.stretches();
+        let seen = self.seen_frames();
+        let (lengths, all) = (self.lengths_um(), self.stretches());
         let rest = lengths[self.rest_index()];
         let shortening: Vec<f64> =
-            lengths.iter().map(|length| 100.0 * (1.0 - length / rest)).collect();
+            seen.iter().map(|&at| 100.0 * (1.0 - lengths[at] / rest)).collect();
+        let stretches: Vec<Stretches> = seen.iter().map(|&at| all[at]).collect();
         let contraction: Vec<f64> =
             stretches.iter().map(|stretch| 100.0 * (1.0 - stretch.smaller)).collect();
         let least_pct = self.least_contraction_pct();

@@ -28,9 +28,10 @@ impl ObservedPeak {
     pub fn at_peak(motion: &Motion) -> Self {
         let contraction: Vec<f64> =
             motion.stretches().iter().map(|stretches| 1.0 - stretches.smaller).collect();
-        let most = contraction.iter().copied().fold(f64::MIN, f64::max);
+        let seen = motion.seen_frames();
+        let most = seen.iter().map(|&frame| contraction[frame]).fold(f64::MIN, f64::max);
         let frames = |is: &dyn Fn(f64) -> bool| -> Vec<usize> {
-            (0..motion.len()).filter(|&frame| is(contraction[frame])).collect()
+            seen.iter().copied().filter(|&frame| is(contraction[frame])).collect()
         };
         let peak = frames(&|part| part >= (1.0 - NEAR) * most);
         let rest = frames(&|part| part.abs() <= NEAR * most);

@@ -73,6 +73,22 @@ fn shortening_pct(motion: &Motion) -> Vec<f64> {
 }
 
 #[test]
+fn a_frame_that_shows_nothing_of_the_cell_counts_for_no_contraction() {
+    // What is interpolated of a black frame is anything.
+    let wild =
+        |[x, y]: [f64; 2], frame| if frame == 3 { [0.0, -0.5 * y] } else { even([x, y], frame) };
+    let mut motion = motion(wild);
+    assert_ne!(motion.headline().measure, Measure::Length);
+    motion.interpolated[3].fill(true);
+    assert!(!motion.seen_frames().contains(&3));
+    assert_eq!(motion.headline().measure, Measure::Length);
+    let said = motion.doubts().join("; ");
+    assert!(said.contains("1 of them") && said.contains("do not count"), "{said}");
+    motion.interpolated.iter_mut().for_each(|frame| frame.fill(true));
+    assert_eq!(motion.seen_frames().len(), FRAMES);
+}
+
+#[test]
 fn a_whole_cell_that_shortens_is_read_by_its_length() {
     let motion = motion(even);
     let headline = motion.headline();

@@ -116,15 +116,19 @@ pub struct Headline {
 }
 
 impl Headline {
-    fn of(motion::Headline { measure, reason }: motion::Headline, rows: &[TrackRow]) -> Self {
+    /// The headline of these rows; the peak is one of the frames that show the cell.
+    fn of(
+        motion::Headline { measure, reason }: motion::Headline,
+        rows: &[TrackRow],
+        seen: &[usize],
+    ) -> Self {
         let (column, of): (_, fn(&TrackRow) -> f64) = match measure {
             Measure::Length => ("length_um", |row| row.shortening_pct),
             Measure::Stretch => ("stretch_1", |row| 100.0 * (1.0 - row.stretch_1)),
         };
         let contraction_pct: Vec<f64> = rows.iter().map(of).collect();
-        let at = (0..rows.len())
-            .max_by(|&a, &b| contraction_pct[a].total_cmp(&contraction_pct[b]))
-            .unwrap_or(0);
+        let at = seen.iter().copied();
+        let at = at.max_by(|&a, &b| contraction_pct[a].total_cmp(&contraction_pct[b])).unwrap_or(0);
         Self {
             column,
             peak_contraction_pct: contraction_pct[at],
@@ -147,11 +151,13 @@ impl Report {
             shaped.picture.as_ref().is_some_and(|(_, cell)| cell.confidence.is_doubtful());
         let headline = motion.headline();
         let headline = if is_doubtful { headline.with_doubtful_outline() } else { headline };
-        let headline = Headline::of(headline, &rows);
+        let seen = motion.seen_frames();
+        let headline = Headline::of(headline, &rows, &seen);
         let most =
             |of: &dyn Fn(&TrackRow) -> f64| rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
-        let peak = rows.iter().max_by(|a, b| a.shortening_pct.total_cmp(&b.shortening_pct));
-        let strained = rows.iter().min_by(|a, b| a.stretch_1.total_cmp(&b.stretch_1));
+        let shown = || seen.iter().map(|&at| &rows[at]);
+        let peak = shown().max_by(|a, b| a.shortening_pct.total_cmp(&b.shortening_pct));
+        let strained = shown().min_by(|a, b| a.stretch_1.total_cmp(&b.stretch_1));
         let lengths = (0..rows.len()).filter_map(|at| Some((at, rows[at].sarcomere_um?)));
         let shortest = lengths.min_by(|a, b| a.1.total_cmp(&b.1));
         let shortening = shortest.and_then(|(at, _)| motion.sarcomere_shortening_pct(at));
