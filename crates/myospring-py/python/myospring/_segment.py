@@ -214,27 +214,27 @@ def segment(
         Grey values or colours, the first row on top; or a file: PNG, TIFF or OME-TIFF.
     pixel_size_um : float or None
         Side of one pixel of a picture, or of an outline in pixels. Never guessed. In um, 0.001 um
-        to 50 um. None: what the picture says of itself.
+        to 50 um. None: the picture's own.
     any_size : bool, default False
-        Takes a cell whose size no heart cell has: longer than 400 um, shorter than 15 um, or with
-        an area outside of `min_area_um2` to `max_area_um2`. Such a size mostly means a wrong pixel
-        size.
+        Accepts a cell whose size is impossible for a heart cell: longer than 400 um, shorter than
+        15 um, or with an area outside of `min_area_um2` to `max_area_um2`. Such a size usually
+        means a wrong pixel size.
     spacing_um : float or None
-        Distance of neighbouring masses. In um, above 0 um, at most 1000 um. None: such that the
-        cell has about 2000 of them.
+        Distance between neighbouring masses. In um, above 0 um, at most 1000 um. None: such that
+        the cell has about 2000 of them.
     modality : {"auto", "fluorescence", "brightfield", "mask"} or None
         How the picture was taken. None: auto.
     channel : int or None
-        Channel of the picture, from 0. 0 to 10000. None: the first; of a colour picture its
-        luminance.
+        Channel of the picture, from 0. 0 to 10000. None: the first, or the luminance of a colour
+        picture.
     frame : int or None
         Frame (time point) of the picture, from 0. 0 to 1000000. None: 0.
     z : int or str or None
-        Of a stack in depth: "max", "mean", or the number of a slice, from 0. None: max.
+        How a stack in depth is reduced: "max", "mean", or the number of a slice, from 0. None: max.
     threshold : float or None
-        Threshold; less takes in more. Fluorescence: grey value above which a pixel is cell.
-        Brightfield: least relative change of brightness per um that is an edge. None: found from
-        the picture, and printed.
+        Threshold; a lower one includes more. Fluorescence: grey value above which a pixel belongs
+        to the cell. Brightfield: least relative change of brightness per um of an edge. None:
+        determined from the picture, and printed.
     smooth_um : float or None
         Scale of smoothing. In um, 0 um to 20 um. None: "0.5 um" for fluorescence, "0.8 um" for
         brightfield.
@@ -244,18 +244,17 @@ def segment(
         Which cell: "largest", or its number by size, 1 being the largest. None: largest; batch:
         all.
     min_area_um2 : float or None
-        Least area that is expected of a cell: studies leave out smaller ones, as debris, and
-        elsewhere they are refused unless any size is allowed. In um^2, 0 um^2 to 100000000 um^2.
-        None: "500 um^2".
+        Smallest expected area of a cell: studies leave out smaller ones (debris); elsewhere they
+        are errors unless any size is allowed. In um^2, 0 um^2 to 100000000 um^2. None: "500 um^2".
     max_area_um2 : float or None
-        Largest area that is expected of a cell: studies leave out larger ones, as sheets and
-        clumps, and elsewhere they are refused unless any size is allowed. In um^2, above 0 um^2, at
-        most 100000000 um^2. None: "20000 um^2".
+        Largest expected area of a cell: studies leave out larger ones (sheets, clumps); elsewhere
+        they are errors unless any size is allowed. In um^2, above 0 um^2, at most 100000000 um^2.
+        None: "20000 um^2".
     allow_cut : bool, default False
-        Takes a cell although the frame of the picture cuts it.
+        Accepts a cell although the frame of the picture cuts it.
     outline : str or PathLike[str] or None
-        Outline of the cell drawn on the picture elsewhere, instead of finding it: GeoJSON, ImageJ's
-        .roi or RoiSet .zip, Cellpose's _outlines.txt.
+        Outline of the cell drawn on the picture in another program, instead of segmentation:
+        GeoJSON, ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt.
     stain : {"z-disc", "filament"} or None
         What the picture shows: stripes across the fibre or threads along it. None: z-discs, if stripes as far apart as
         sarcomeres are found.
