@@ -102,7 +102,7 @@ pub fn rows(_: &Setting<'_>) -> Result<Vec<Row>, Failure> {
         (2.0 * fine[0] - coarse[0] - fine[1]).abs() / EXTENSION,
         1e-6,
         "of the start",
-        "what is left after extrapolation is of the order of the step squared, some 1e-7",
+        "the residual after extrapolation is of the order of the step squared, about 1e-7",
     ));
     Ok(rows)
 }

@@ -36,7 +36,7 @@ class SegmentedCell:
     doubts : list of str
         What speaks against the outline.
     contrast : float or None
-        How far it stands out, in units of the noise; None of a mask or a drawn outline.
+        How far it stands out, in units of the noise; None for a mask or a drawn outline.
     outline : list of ndarray of shape (points, 2)
         The rings of its outline, um, the outer one first; x to the right, y upward.
     mask : ndarray of shape (rows, columns)

@@ -13,7 +13,7 @@ use std::path::Path;
 /// A setting that was given, with its value.
 pub type Given = (&'static Setting, Value);
 
-/// Whether a setting asks for all cells of a picture, which is none of a run.
+/// Whether a setting asks for all cells of a picture; a run takes one cell.
 pub fn is_all_cells((setting, value): &Given) -> bool {
     setting.key == "segmentation.cell" && value.as_text() == Some("all")
 }

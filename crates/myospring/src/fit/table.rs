@@ -85,8 +85,8 @@ impl Tables {
         Ok(Self { by_stiffness: tables.collect::<Result<_, _>>()? })
     }
 
-    /// The equilibria of a cell that is so many times as stiff: by Lagrange's cubic in the logarithm of the stiffness, at
-    /// equal tension over stiffness.
+    /// The equilibria of a cell of another stiffness, given as a factor, by Lagrange's cubic in the
+    /// logarithm of the stiffness, at equal tension over stiffness.
     pub(super) fn at(&self, stiffness: f64) -> AtStiffness<'_> {
         AtStiffness { by_stiffness: &self.by_stiffness, stiffness }
     }

@@ -40,7 +40,7 @@ fn file_names(titles: impl Iterator<Item = String>) -> Vec<String> {
     titles.map(name).collect()
 }
 
-/// Metrics that stand beside a figure, as far as a curve has them.
+/// Metrics that are printed next to a figure, if the curve has them.
 const BESIDE: [&str; 24] = [
     "interval",
     "resting_length",

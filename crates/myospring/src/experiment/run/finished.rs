@@ -37,7 +37,7 @@ pub(crate) struct Finished<'a> {
     pub(crate) style: Style,
     /// The files that the run was made from, as its results name them.
     pub(crate) inputs: &'a Inputs,
-    /// Who is told what is left out.
+    /// Receives a warning for each output that is left out.
     pub(crate) observer: &'a dyn Observer,
 }
 
