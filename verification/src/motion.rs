@@ -11,9 +11,9 @@ use myospring::analysis::order;
 use myospring::mesh::carried::Carried;
 use myospring::mesh::lattice;
 use myospring::mesh::pixel_size::PixelSize;
-use myospring::microscopy::cells::{Options, PictureCells};
+use myospring::microscopy::cells::{PictureCells, PictureOptions};
 use myospring::microscopy::film::Film;
-use myospring::microscopy::motion::{self, Cell, Motion, Rest, Settings};
+use myospring::microscopy::motion::{self, CellAtRest, CellMotion, Rest, TrackingSettings};
 use myospring::microscopy::picture::Selection;
 use myospring::microscopy::segment::Choice;
 use serde::Deserialize;
@@ -42,20 +42,21 @@ struct Pair {
     ours: [f64; 2],
 }
 
-fn followed(film: &Film) -> Result<Motion, Failure> {
+fn followed(film: &Film) -> Result<CellMotion, Failure> {
     let rest = Rest::at(film, REST)?;
     let pixel_size = PixelSize::new(PIXEL_UM)?;
-    let options = Options { pixel_size: Some(pixel_size), ..Options::default() };
+    let options = PictureOptions { pixel_size: Some(pixel_size), ..PictureOptions::default() };
     let cells = PictureCells::find(&film.picture(REST)?, &options)?;
     let cell = cells.cell(Choice::Largest, true)?;
     let (mesh, _) = lattice::from_mask(&cell.mask, Some(2.0))?;
     let inside = cell.mask.inside();
-    let seen = Cell { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
-    Ok(motion::follow(film, rest, &seen, Settings::at(30.0), |_| true)?)
+    let seen =
+        CellAtRest { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
+    Ok(motion::follow(film, rest, &seen, TrackingSettings::at(30.0), |_| true)?)
 }
 
 /// Both at all places that lie within the lattice and were found in that frame.
-fn pairs(motion: &Motion, height: usize, flows: &[Flow]) -> Vec<Pair> {
+fn pairs(motion: &CellMotion, height: usize, flows: &[Flow]) -> Vec<Pair> {
     let um =
         |flow: &Flow| [(flow.column + 0.5) * PIXEL_UM, (height as f64 - flow.row - 0.5) * PIXEL_UM];
     let carried = Carried::new(&motion.mesh, flows.iter().map(um));

@@ -6,7 +6,7 @@ use crate::check::{Failure, Setting};
 use crate::row::Row;
 use myospring::cell;
 use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::solve::{Settings, solve};
+use myospring::cell::solve::{SolverSettings, solve};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -61,8 +61,8 @@ fn case(name: &str, beats: u32, fine_step_ms: f64) -> Result<Case, Failure> {
         Stimulus::Pulse { amplitude, duration_ms } => (amplitude, duration_ms),
     };
     let duration = if beats == 1 { 600.0 } else { f64::from(beats) * protocol.cycle_length_ms };
-    let default = Settings::default();
-    let fine = Settings { step_ms: fine_step_ms, ..default };
+    let default = SolverSettings::default();
+    let fine = SolverSettings { step_ms: fine_step_ms, ..default };
     let (mut time_ms, mut solutions) = (Vec::new(), Vec::new());
     for (kind, settings) in [("fine", fine), ("default", default)] {
         let trace = solve(&*model, protocol, settings, duration, 1.0)?;

@@ -6,7 +6,7 @@ use crate::row::Row;
 use myospring::cell;
 use myospring::cell::Input;
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{Method, Settings, solve};
+use myospring::cell::solve::{CellMethod, SolverSettings, solve};
 
 const MYOKIT: &str = "Myokit 1.39.2 (CVODE, 1e-7) on the published CellML, 100 beats";
 const PEER: &str = "NumPy and SciPy (LSODA, 1e-7), an independent typing";
@@ -108,7 +108,7 @@ fn beat(name: &str, beats: u32) -> Result<Beat, Failure> {
     let model = cell::model(name)?;
     let stimulus = model.default_stimulus();
     let protocol = Protocol { start_ms: 0.0, beats, ..Protocol::once(stimulus) };
-    let settings = Settings { tolerance: 1e-4, ..Settings::of(Method::Stiff) };
+    let settings = SolverSettings { tolerance: 1e-4, ..SolverSettings::of(CellMethod::Stiff) };
     let trace = solve(&*model, protocol, settings, 1000.0 * f64::from(beats), EACH_MS)?;
     let from = trace.time_ms.len() - 1 - (1000.0 / EACH_MS) as usize;
     let last = |name: &str| trace.variable(name).map(|course| &course[from..]);

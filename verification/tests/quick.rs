@@ -8,7 +8,7 @@ mod skipped;
 
 use myospring::cell;
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{Settings, solve};
+use myospring::cell::solve::{SolverSettings, solve};
 use myospring_verification::row::Verdict;
 use myospring_verification::{Setting, checks, lammps, myokit, published_data};
 use std::collections::BTreeMap;
@@ -152,12 +152,12 @@ fn every_state_of_every_set_follows_the_solution_by_cvode() {
     for (name, theirs) in &courses {
         let model = cell::model(name).unwrap();
         let protocol = Protocol::once(model.default_stimulus());
-        let ours = solve(&*model, protocol, Settings::default(), 600.0, 10.0).unwrap();
+        let ours = solve(&*model, protocol, SolverSettings::default(), 600.0, 10.0).unwrap();
         assert_eq!(ours.time_ms.len(), theirs.len());
         for (state, column) in ours.states.iter().enumerate() {
             let size = theirs.iter().map(|row| row[1 + state].abs()).fold(0.0, f64::max);
             for (value, row) in column.iter().zip(theirs) {
-                let bound = myokit::error_per_ms(name) * Settings::default().step_ms;
+                let bound = myokit::error_per_ms(name) * SolverSettings::default().step_ms;
                 let off = (value - row[1 + state]) / size;
                 let variable = model.state_names()[state];
                 assert!(

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::files::FILES;
 use crate::terminal::Terminal;
 use crate::{input, interrupt, print};
-use myospring::experiment::fit::{Fit, Spring};
+use myospring::experiment::fit::{EndSprings, FitCell};
 use myospring::experiment::{Folder, Outcome as _};
 use myospring::fit::Sought;
 use myospring::output::json;
@@ -65,12 +65,12 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
 }
 
 /// What the arguments ask for.
-fn asked(args: &FitArgs) -> Result<Fit, Failure> {
+fn asked(args: &FitArgs) -> Result<FitCell, Failure> {
     let pixel = args.settings.get("shape.pixel_size").and_then(Value::as_text);
     let named = args.input.as_ref().or(args.to.first()).and_then(|path| path.file_stem());
     let name = named.unwrap_or_default().to_string_lossy();
     let until = args.until.as_deref().map(|until| ("--until", until));
-    Ok(Fit {
+    Ok(FitCell {
         cell: args.input.clone(),
         to: args.to.clone(),
         settings: args.settings.overrides(),
@@ -90,13 +90,13 @@ fn asked(args: &FitArgs) -> Result<Fit, Failure> {
 }
 
 /// `100 nN/um=fibres.csv`
-fn spring(text: &str) -> Result<Spring, Failure> {
+fn spring(text: &str) -> Result<EndSprings, Failure> {
     let (stiffness, path) = text.split_once('=').ok_or_else(|| {
         Failure::new(format!("--loaded: `{text}` is no stiffness and no table"))
             .advise("write like --loaded \"100 nN/um=fibres.csv\"")
     })?;
     let stiffness = quantity("--loaded", stiffness.trim(), Dimension::Stiffness)?;
-    Ok(Spring { stiffness, path: PathBuf::from(path.trim()) })
+    Ok(EndSprings { stiffness, path: PathBuf::from(path.trim()) })
 }
 
 /// `c_0=0.01:0.05`

@@ -4,7 +4,7 @@ use crate::args::OutputArgs;
 use crate::failure::Failure;
 use crate::files::FILES;
 use crate::interrupt;
-use crate::options::Given;
+use crate::options::ChosenSetting;
 use myospring::experiment::input;
 pub(crate) use myospring::experiment::input::ending;
 use myospring::experiment::refused::Place;
@@ -26,7 +26,10 @@ pub(crate) fn outlines(name: &str) -> PathBuf {
 }
 
 /// Reads and checks every setting; the name of the results, and the run.
-pub(crate) fn settle(path: Option<&Path>, overrides: &[Given]) -> Result<(String, Run), Failure> {
+pub(crate) fn settle(
+    path: Option<&Path>,
+    overrides: &[ChosenSetting],
+) -> Result<(String, Run), Failure> {
     input::settle(path, overrides, &FILES, &interrupt::interruption())
 }
 

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::files::FILES;
 use crate::input::ending;
-use myospring::measured::{self, Options};
+use myospring::measured::{self, TableOptions};
 use myospring::mesh::outline::Outline;
 use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::outlines::{CoordinateUnit, Placement, ReadOptions, read_outlines};
@@ -161,7 +161,7 @@ fn is_outline(path: &Path, bytes: &[u8]) -> bool {
 
 /// Whether a table has curves: known ones by their names, others by a column of times that is long.
 fn is_curves(path: &Path) -> bool {
-    let Ok(table) = FILES.table(path, &Options::default()) else { return false };
+    let Ok(table) = FILES.table(path, &TableOptions::default()) else { return false };
     let is_curve = |curve: &measured::Curve| {
         curve.kind != measured::Kind::Unknown || curve.values.len() >= LONG
     };

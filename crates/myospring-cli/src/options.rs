@@ -2,9 +2,9 @@
 
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
-pub(crate) use myospring::experiment::input::Given;
+pub(crate) use myospring::experiment::input::ChosenSetting;
 use myospring::experiment::input::is_all_cells;
-use myospring::settings::{CommandOption, Kind, Setting, Table, Value, tables};
+use myospring::settings::{CommandOption, Setting, Table, Value, ValueKind, tables};
 use std::marker::PhantomData;
 
 /// The tables of settings for which a command has options.
@@ -42,7 +42,7 @@ impl Scope for Beat {
 /// The settings given by options.
 #[derive(Debug)]
 pub(crate) struct Settings<S> {
-    given: Vec<Given>,
+    given: Vec<ChosenSetting>,
     scope: PhantomData<S>,
 }
 
@@ -53,7 +53,7 @@ impl<S> Settings<S> {
     }
 
     /// All given settings, including `--cell all`.
-    pub(crate) fn given(&self) -> &[Given] {
+    pub(crate) fn given(&self) -> &[ChosenSetting] {
         &self.given
     }
 
@@ -63,12 +63,12 @@ impl<S> Settings<S> {
     }
 
     /// The settings that override a run file; `--cell all` does not.
-    pub(crate) fn overrides(&self) -> Vec<Given> {
+    pub(crate) fn overrides(&self) -> Vec<ChosenSetting> {
         self.given.iter().filter(|given| !is_all_cells(given)).cloned().collect()
     }
 
     /// The cell model among these.
-    pub(crate) fn model(&self) -> Vec<Given> {
+    pub(crate) fn model(&self) -> Vec<ChosenSetting> {
         self.given.iter().filter(|(setting, _)| setting.key == "cell.model").cloned().collect()
     }
 }
@@ -120,20 +120,22 @@ fn argument(table: &Table, setting: &'static Setting, option: CommandOption) -> 
         .help_heading(table.heading)
         .visible_aliases(option.alias.map(|alias| alias.trim_start_matches('-')));
     let parser = match setting.kind {
-        Kind::Flag { .. } => return argument.action(ArgAction::SetTrue),
-        Kind::Whole { .. } => value_parser!(i64).into(),
+        ValueKind::Flag { .. } => return argument.action(ArgAction::SetTrue),
+        ValueKind::Whole { .. } => value_parser!(i64).into(),
         _ => ValueParser::string(),
     };
     // Accepts negative values, so that a wrong sign gets the message on its bounds.
-    let signed =
-        matches!(setting.kind, Kind::Whole { .. } | Kind::Quantity { .. } | Kind::Written { .. });
+    let signed = matches!(
+        setting.kind,
+        ValueKind::Whole { .. } | ValueKind::Quantity { .. } | ValueKind::Written { .. }
+    );
     argument.value_name(option.value).value_parser(parser).allow_hyphen_values(signed)
 }
 
 fn value(setting: &Setting, matches: &ArgMatches) -> Option<Value> {
     match setting.kind {
-        Kind::Flag { .. } => matches.get_flag(setting.key).then_some(Value::Flag(true)),
-        Kind::Whole { .. } => matches.get_one(setting.key).copied().map(Value::Whole),
+        ValueKind::Flag { .. } => matches.get_flag(setting.key).then_some(Value::Flag(true)),
+        ValueKind::Whole { .. } => matches.get_one(setting.key).copied().map(Value::Whole),
         _ => matches.get_one(setting.key).cloned().map(Value::Text),
     }
 }
@@ -157,7 +159,7 @@ fn help(setting: &Setting, option: CommandOption) -> String {
         },
     };
     let example = match (setting.kind, setting.example()) {
-        (Kind::Quantity { .. }, Some(example @ Value::Text(_))) => format!(" ({example})"),
+        (ValueKind::Quantity { .. }, Some(example @ Value::Text(_))) => format!(" ({example})"),
         _ => String::new(),
     };
     match default {

@@ -11,7 +11,7 @@ use crate::table::{aligned, wrapped};
 use crate::terminal::Terminal;
 use myospring::experiment::paper::Paper;
 use myospring::experiment::{Experiment, Folder, Outcome};
-use myospring::output::comparison::{Finding, Verdict};
+use myospring::output::comparison::{Finding, StatementVerdict};
 use myospring::output::json;
 use myospring::settings::{self, Value};
 use std::path::Path;
@@ -45,7 +45,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<ExitCode, Failure> {
     for stop in &stopped {
         print::note(&format!("error: a run stopped early: {stop}"));
     }
-    let missed = paper.findings.iter().filter(|it| it.verdict == Verdict::NotMet).count();
+    let missed = paper.findings.iter().filter(|it| it.verdict == StatementVerdict::NotMet).count();
     if missed > 0 {
         print::note(&format!("error: {missed} of the paper's statements are not met"));
     }

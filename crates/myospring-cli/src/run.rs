@@ -14,7 +14,7 @@ use crate::terminal::Terminal;
 use myospring::compare::factor;
 use myospring::experiment::Folder;
 use myospring::experiment::run::{
-    Beat, Beaten, Kept, Numbers, Stop, Timings, WrittenOutputs, chosen,
+    BeatCell, FinishedRun, RunNumbers, SavedRun, Stop, Timings, WrittenOutputs, chosen,
 };
 use myospring::output::json;
 use serde::Serialize;
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         refused = Some(input::refusals(&args.output, &name));
     }
     let threads = args.threads.map(usize::from);
-    let prepared = Beat { name, run, threads, refused }.prepare(&FILES)?;
+    let prepared = BeatCell { name, run, threads, refused }.prepare(&FILES)?;
     let warn = |warnings: &[String]| {
         for warning in warnings.iter().filter(|_| !args.output.quiet) {
             print::warn(warning);
@@ -72,7 +72,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
 }
 
 /// Prints the numbers, and where the results are.
-fn told(args: &RunArgs, beaten: &Beaten, kept: &Kept, target: &Path) -> Result<(), Failure> {
+fn told(
+    args: &RunArgs,
+    beaten: &FinishedRun,
+    kept: &SavedRun,
+    target: &Path,
+) -> Result<(), Failure> {
     let numbers = beaten.all_numbers();
     if args.output.json {
         #[derive(Serialize)]
@@ -82,7 +87,7 @@ fn told(args: &RunArgs, beaten: &Beaten, kept: &Kept, target: &Path) -> Result<(
             timings: Timings,
             outputs: &'a WrittenOutputs,
             #[serde(flatten)]
-            numbers: Numbers<'a>,
+            numbers: RunNumbers<'a>,
         }
         let (stop, outputs) = (Stop::of(&beaten.outcome), &kept.written);
         let printed = Printed { results: target, stop, timings: kept.timings, outputs, numbers };

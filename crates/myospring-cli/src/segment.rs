@@ -10,7 +10,7 @@ use crate::input::ending;
 use crate::terminal::Terminal;
 use crate::{input, interrupt, print};
 use myospring::experiment::refused::{Place, is_all_there_is};
-use myospring::experiment::segment::{ENDINGS, ReadFrame, Segment, beside, check};
+use myospring::experiment::segment::{ENDINGS, ReadWholeFrame, Segment, beside, check};
 use myospring::experiment::{Experiment, Folder, Outcome, save};
 use myospring::output::json;
 use myospring::settings::Run;
@@ -87,7 +87,7 @@ fn whole_frame(
     let target = into.unwrap_or_else(|| Path::new("results").join(format!("{name}_whole_frame")));
     Folder::check(&target, args.force, &FILES)?;
     let observer = Terminal::new(args.quiet);
-    let frame = ReadFrame { picture: args.input.display().to_string(), run };
+    let frame = ReadWholeFrame { picture: args.input.display().to_string(), run };
     let frame = frame.run(&FILES, &observer)?;
     let written = save(&frame, &target, args.force, &FILES, &observer)?;
     let report = frame.report();

@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::files::FILES;
 use crate::terminal::Terminal;
 use crate::{interrupt, lists, print};
-use myospring::experiment::study::{FIGURES, Plan, Studied, Study};
+use myospring::experiment::study::{FIGURES, Studied, Study, StudyPlan};
 use myospring::output::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -40,7 +40,7 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     let target = target(output.output.as_ref(), &args.study);
     let shard = args.shard.as_deref().map(str::parse).transpose().map_err(Failure::new)?;
     let jobs = args.jobs.map(usize::from);
-    let plan = Plan { target: target.clone(), shard, jobs, force: output.force };
+    let plan = StudyPlan { target: target.clone(), shard, jobs, force: output.force };
     let open = study.open(&plan)?;
     let folder = open.folder.clone();
     interrupt::heed_soon("the members under way are given up");

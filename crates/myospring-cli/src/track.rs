@@ -8,9 +8,9 @@ use crate::files::FILES;
 use crate::terminal::Terminal;
 use crate::{input, print};
 use clap::builder::{PossibleValue, PossibleValuesParser};
-use myospring::experiment::track::{Headline, Output, Report, Track};
+use myospring::experiment::track::{HeadlineReport, Output, Track, TrackReport};
 use myospring::experiment::{Experiment, Folder, Outcome};
-use myospring::microscopy::motion::Settings;
+use myospring::microscopy::motion::TrackingSettings;
 use myospring::output::json;
 use myospring::units::{self, Dimension};
 use std::num::NonZeroUsize;
@@ -33,7 +33,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
     let mut experiment = Track {
         settings: args.settings.overrides(),
         frame_rate: args.frame_rate.as_deref().map(frame_rate).transpose()?,
-        subset_um: args.subset.as_deref().map_or(Ok(Settings::SUBSET_UM), subset)?,
+        subset_um: args.subset.as_deref().map_or(Ok(TrackingSettings::SUBSET_UM), subset)?,
         threads: args.threads.map(NonZeroUsize::get),
         outputs: outputs(&args.outputs)?,
         ..Track::of(&args.input)
@@ -71,7 +71,7 @@ fn outputs(words: &[String]) -> Result<Vec<Output>, Failure> {
 }
 
 fn subset(text: &str) -> Result<f64, Failure> {
-    let [least, most] = Settings::SUBSETS_UM;
+    let [least, most] = TrackingSettings::SUBSETS_UM;
     let um = units::parse(text, Dimension::Length)
         .map_err(|error| Failure::new(format!("--subset: {error}")))?;
     if (least..=most).contains(&um) {
@@ -81,7 +81,7 @@ fn subset(text: &str) -> Result<f64, Failure> {
         .advise("two sarcomeres are a good size: --subset \"4 um\""))
 }
 
-fn for_people(report: &Report) -> String {
+fn for_people(report: &TrackReport) -> String {
     let mut lines = vec![format!(
         "{}: {} of {} frames at {} /s ({}), pixels of {} um; at rest in frame {}",
         report.film,
@@ -92,7 +92,7 @@ fn for_people(report: &Report) -> String {
         rounded(report.pixel_size_um),
         report.rest_frame
     )];
-    let Headline { column, peak_contraction_pct, peak_frame, because, .. } = &report.headline;
+    let HeadlineReport { column, peak_contraction_pct, peak_frame, because, .. } = &report.headline;
     lines.push(format!(
         "contracts by {peak_contraction_pct:.2} % (frame {peak_frame}), read from {column}: {because}"
     ));

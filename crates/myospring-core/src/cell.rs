@@ -2,7 +2,7 @@
 //!
 //! A [`CellModel`] is a set of ordinary differential equations with a description as data; a
 //! [`pacing::Protocol`] says when it is stimulated; a [`integrator::CellIntegrator`] integrates it
-//! in time by any [`solve::Method`], alone ([`solve::solve`]) or step by step inside a coupled
+//! in time by any [`solve::CellMethod`], alone ([`solve::solve`]) or step by step inside a coupled
 //! simulation. [`models`] lists the models of this crate by name; a model of your own need not be
 //! listed.
 //!
@@ -13,12 +13,12 @@
 //!
 //! # Example
 //! ```
-//! use myospring::cell::{self, solve, solve::Settings};
+//! use myospring::cell::{self, solve, solve::SolverSettings};
 //!
 //! let mut parameters = cell::model("coelho_2021")?.parameters().clone();
 //! parameters.set("tau_w_plus", 250.0)?;
 //! let model = cell::model("coelho_2021")?.with_parameters(parameters)?;
-//! let beat = solve::reference_beat(model.as_ref(), Settings::default())?;
+//! let beat = solve::reference_beat(model.as_ref(), SolverSettings::default())?;
 //! assert!(beat.peak_tension > 0.5 && beat.peak_time_ms > 150.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

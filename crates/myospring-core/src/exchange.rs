@@ -98,8 +98,8 @@ pub struct ActivationError(pub String);
 ///     fn sites(&self) -> Sites {
 ///         Sites::Whole
 ///     }
-///     fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError> {
-///         self.tension = to_ms * (1.0 + 2.0 * (felt.stretch[0] - 1.0));
+///     fn advance(&mut self, to_ms: f64, now: StretchState<'_>) -> Result<(), ActivationError> {
+///         self.tension = to_ms * (1.0 + 2.0 * (now.stretch[0] - 1.0));
 ///         Ok(())
 ///     }
 ///     fn keep(&mut self) {}
@@ -137,7 +137,7 @@ pub trait Activation: Send + Sync {
     ///
     /// # Errors
     /// A state that is NaN, an impossible stretch, or similar.
-    fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError>;
+    fn advance(&mut self, to_ms: f64, now: StretchState<'_>) -> Result<(), ActivationError>;
 
     /// Keeps the current state as the start of the next interval.
     fn keep(&mut self);

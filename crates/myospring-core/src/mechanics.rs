@@ -13,7 +13,7 @@
 //! | [`drag`] | viscous drag | `coelho_2021`, Eq. (10) |
 //! | [`support`] | what holds the cell | `coelho_2021`, section 2.1 |
 //! | [`anchor`] | elastic supports: elastic bed, spring-held ends | `edwards_schwarz_2011` |
-//! | [`grip`] | an end under a constant load | |
+//! | [`loaded_end`] | an end under a constant load | |
 //! | [`stability`] | the largest stable time step | |
 //! | [`stiffness`] | the tangent stiffness, for equilibria | |
 //! | [`lattice_law`] | laws as data, for a kernel that sweeps a lattice | |
@@ -24,8 +24,8 @@ pub mod area;
 mod body;
 pub mod drag;
 mod force;
-pub mod grip;
 pub mod lattice_law;
+pub mod loaded_end;
 pub mod material;
 mod runs;
 pub mod spring;

@@ -48,7 +48,7 @@ pub use check::{MOST_FRAME_MEMORY, MOST_FRAMES, MOST_SAMPLES, SettingError, divi
 pub use fault::projected_area;
 pub use field::PreparedField;
 pub use in_time::Prepared;
-pub use observer::{Observer, Part, Progress};
+pub use observer::{Progress, RunObserver, RunPart};
 pub use outcome::{Effort, Outcome};
 pub use pace::Pace;
 pub use quasi_static::PreparedPath;
@@ -59,7 +59,7 @@ pub use strain::MOST_STRAIN;
 pub use train::Train;
 
 use crate::cell::pacing::Protocol;
-use crate::cell::solve::Settings;
+use crate::cell::solve::SolverSettings;
 use crate::cell::{CellModel, coelho_2021};
 use crate::exchange::Activation;
 use crate::integrate::Method;
@@ -90,7 +90,7 @@ pub struct Numerics {
     /// of tension is kept besides.
     pub frame_interval: f64,
     /// Integration of the cell model.
-    pub cell: Settings,
+    pub cell: SolverSettings,
     /// What moves the masses in time: the fastest that can, on one thread. How many threads pay for so many
     /// masses says [`crate::integrate::stencil::worthwhile_threads`].
     pub engine: Engine,
@@ -104,7 +104,7 @@ impl Default for Numerics {
             exchange_interval: 0.25,
             output_interval: 0.5,
             frame_interval: 5.0,
-            cell: Settings::default(),
+            cell: SolverSettings::default(),
             engine: Engine::default(),
         }
     }

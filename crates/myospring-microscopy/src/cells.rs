@@ -27,7 +27,8 @@ use super::report::{
     ShapeReport, USUAL_AREAS_UM2, impossible_size, pixels_on_frame, shape_report_of, unusual_area,
 };
 use super::segment::{
-    self, Choice, Confidence, Modality, SegmentError, Segmentation, Settings, counted, segment,
+    self, Choice, Confidence, Modality, SegmentError, Segmentation, SegmentationSettings, counted,
+    segment,
 };
 use myospring_core::interruption::{Interrupted, Interruption};
 use myospring_core::mesh::lattice::FEWEST_PIXELS;
@@ -41,25 +42,25 @@ const SAME_PIXEL_SIZE: f64 = 0.01;
 
 /// What to look for in a picture.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Options {
+pub struct PictureOptions {
     /// Which plane of the picture.
     pub selection: Selection,
     /// Side of one pixel; `None` uses the picture's own.
     pub pixel_size: Option<PixelSize>,
     /// How to find cells.
-    pub segmentation: Settings,
+    pub segmentation: SegmentationSettings,
     /// Smallest and largest expected area of a cell, um^2; cells outside are warned about, and
     /// studies leave them out.
     pub areas_um2: [f64; 2],
 }
 
-impl Default for Options {
+impl Default for PictureOptions {
     /// The picture's own pixel size, and the usual areas of single heart cells.
     fn default() -> Self {
         Self {
             selection: Selection::default(),
             pixel_size: None,
-            segmentation: Settings::default(),
+            segmentation: SegmentationSettings::default(),
             areas_um2: USUAL_AREAS_UM2,
         }
     }
@@ -179,11 +180,11 @@ impl PictureCells {
     ///
     /// # Example
     /// ```
-    /// use myospring::microscopy::cells::{Options, PictureCells};
-    /// let error = PictureCells::find(b"no picture", &Options::default()).unwrap_err();
+    /// use myospring::microscopy::cells::{PictureOptions, PictureCells};
+    /// let error = PictureCells::find(b"no picture", &PictureOptions::default()).unwrap_err();
     /// assert!(error.to_string().starts_with("this is not a picture"));
     /// ```
-    pub fn find(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
+    pub fn find(bytes: &[u8], options: &PictureOptions) -> Result<Self, CellError> {
         let mut seen = Self::unsegmented(bytes, options)?;
         let [least, _] = options.areas_um2;
         let mut settings = options.segmentation.clone();
@@ -204,7 +205,7 @@ impl PictureCells {
         bytes: &[u8],
         outlines: &[u8],
         file_name: &str,
-        options: &Options,
+        options: &PictureOptions,
     ) -> Result<Self, CellError> {
         let mut seen = Self::unsegmented(bytes, options)?;
         let placement = Placement::Picture(seen.frame()?);
@@ -220,7 +221,7 @@ impl PictureCells {
     ///
     /// # Errors
     /// A picture that cannot be read, or no pixel size.
-    pub fn unsegmented(bytes: &[u8], options: &Options) -> Result<Self, CellError> {
+    pub fn unsegmented(bytes: &[u8], options: &PictureOptions) -> Result<Self, CellError> {
         let interruption = &options.segmentation.interruption;
         let picture = read_picture(bytes, &options.selection)?;
         let (mut plane, mut notes) = (picture.plane, picture.notes);
@@ -305,7 +306,7 @@ impl PictureCells {
         format!("{modality} picture, pixels of {size} ({source}){threshold}{reason}")
     }
 
-    /// Warns of a cell whose area lies outside [`Options::areas_um2`]; `None` for a usual one.
+    /// Warns of a cell whose area lies outside [`PictureOptions::areas_um2`]; `None` for a usual one.
     pub fn unusual_area(&self, cell: &PictureCell) -> Option<String> {
         unusual_area(cell.shape.area_um2, self.areas_um2)
     }
@@ -351,7 +352,7 @@ impl PictureCells {
             Cells::Found { found, windows } => {
                 let cell = found.choose(choice, allow_cut)?;
                 if cell.pixels < FEWEST_PIXELS {
-                    let segment::Cell { number, pixels, area_um2, .. } = *cell;
+                    let segment::SegmentedCell { number, pixels, area_um2, .. } = *cell;
                     return Err(CellError::TooSmall { number, pixels, area_um2 });
                 }
                 let mask = found.mask_within(cell.number, &windows[cell.number as usize - 1])?;

@@ -78,7 +78,7 @@ const LEAST_FOUND: f64 = 0.3;
 
 /// Options for following a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
+pub struct TrackingSettings {
     /// Frames a second.
     pub frames_per_second: f64,
     /// Side of a subset, um; limited to 17 to 61 pixels.
@@ -87,7 +87,7 @@ pub struct Settings {
     pub threads: Option<usize>,
 }
 
-impl Settings {
+impl TrackingSettings {
     /// Default side of a subset, um: two sarcomeres.
     pub const SUBSET_UM: f64 = 4.0;
     /// Sides of a subset that make sense, um.
@@ -103,7 +103,7 @@ impl Settings {
 
 /// The cell in the frame at rest.
 #[derive(Debug, Clone, Copy)]
-pub struct Cell<'a> {
+pub struct CellAtRest<'a> {
     /// Its lattice, um from the lower left corner of the picture.
     pub mesh: &'a Mesh,
     /// For each pixel, row by row from the top left: whether it belongs to this cell.
@@ -119,7 +119,7 @@ pub struct Cell<'a> {
 
 /// The motion of a cell.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub struct CellMotion {
     /// The lattice at rest.
     pub mesh: Mesh,
     /// Numbers in the film of the frames that were followed, ascending. All lists by frame below
@@ -130,7 +130,7 @@ pub struct Motion {
     pub repeated: Vec<usize>,
     /// Whether `goes_on` stopped it before all frames were done.
     pub interrupted: bool,
-    /// Number in the film of the frame at rest; it is one of [`Motion::frames`].
+    /// Number in the film of the frame at rest; it is one of [`CellMotion::frames`].
     pub rest: usize,
     /// Time of each frame from the first of the film, ms.
     pub times_ms: Vec<f64>,
@@ -181,10 +181,10 @@ pub type Progress = (usize, usize);
 pub fn follow(
     film: &Film,
     rest: Rest,
-    cell: &Cell<'_>,
-    settings: Settings,
+    cell: &CellAtRest<'_>,
+    settings: TrackingSettings,
     goes_on: impl FnMut(Progress) -> bool + Send,
-) -> Result<Motion, MotionError> {
+) -> Result<CellMotion, MotionError> {
     let rate = settings.frames_per_second;
     if !(rate.is_finite() && (RATES[0]..=RATES[1]).contains(&rate)) {
         return Err(MotionError::Rate { rate });
@@ -206,8 +206,8 @@ struct Follower<'a> {
     film: &'a Film,
     repeats: Vec<Option<usize>>,
     rest: Rest,
-    cell: &'a Cell<'a>,
-    settings: Settings,
+    cell: &'a CellAtRest<'a>,
+    settings: TrackingSettings,
     fine: Level,
     coarse: Level,
     /// Which points the coarse level uses, and for each point the coarse points that represent it,
@@ -236,8 +236,8 @@ impl<'a> Follower<'a> {
     fn new(
         film: &'a Film,
         rest: Rest,
-        cell: &'a Cell<'a>,
-        settings: Settings,
+        cell: &'a CellAtRest<'a>,
+        settings: TrackingSettings,
     ) -> Result<Self, MotionError> {
         let repeats = film.repeats()?;
         // If the frame at rest is a repeat, the frame that it repeats is used.
@@ -313,7 +313,7 @@ impl<'a> Follower<'a> {
     fn film(
         &self,
         mut goes_on: impl FnMut(Progress) -> bool + Send,
-    ) -> Result<Motion, MotionError> {
+    ) -> Result<CellMotion, MotionError> {
         let (rest, count) = (self.rest.frame, self.film.len());
         let mut frames: Vec<Option<Frame>> = (0..count).map(|_| None).collect();
         let taken = |index: &usize| self.repeats[*index].is_none();
@@ -399,7 +399,7 @@ impl<'a> Follower<'a> {
     }
 
     /// Combines the frames that were done.
-    fn motion(&self, frames: Vec<Option<Frame>>) -> Result<Motion, MotionError> {
+    fn motion(&self, frames: Vec<Option<Frame>>) -> Result<CellMotion, MotionError> {
         let numbers: Vec<usize> = (0..frames.len()).filter(|&at| frames[at].is_some()).collect();
         let between = numbers.first().zip(numbers.last()).map_or(0..0, |(a, b)| *a..*b);
         let repeated = between.filter(|&at| self.repeats[at].is_some()).collect();
@@ -461,7 +461,7 @@ impl<'a> Follower<'a> {
         let sarcomeres = self.stripes.lengths(&periods, pixel_um);
         let time = |number: &usize| 1000.0 * *number as f64 / self.settings.frames_per_second;
         let side = (2 * self.fine.half() + 1) as f64 * pixel_um;
-        Ok(Motion {
+        Ok(CellMotion {
             mesh: self.cell.mesh.clone(),
             times_ms: numbers.iter().map(time).collect(),
             frames: numbers,
@@ -492,7 +492,7 @@ impl<'a> Follower<'a> {
     }
 }
 
-impl Motion {
+impl CellMotion {
     /// Which points lie within one spacing of the frame's edge, where the frame may cut the cell.
     pub fn cut(&self) -> Vec<bool> {
         let reach = spacing(&self.mesh);

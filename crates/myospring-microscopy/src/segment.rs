@@ -73,7 +73,7 @@ pub const SMALLEST_CELL_UM2: f64 = 100.0;
 
 /// Options of segmentation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
+pub struct SegmentationSettings {
     /// How the picture was taken.
     pub modality: Modality,
     /// Fluorescence: grey value above which a pixel is cell, background included. Brightfield:
@@ -89,7 +89,7 @@ pub struct Settings {
     pub interruption: Interruption,
 }
 
-impl Default for Settings {
+impl Default for SegmentationSettings {
     /// Everything is determined from the picture.
     fn default() -> Self {
         Self {
@@ -118,7 +118,7 @@ pub enum Choice {
 
 /// One cell of a picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Cell {
+pub struct SegmentedCell {
     /// Its number, counted from 1 in the order of decreasing area.
     pub number: u32,
     /// Its value, if the picture is a label image.
@@ -145,12 +145,12 @@ pub struct Segmentation {
     /// Number of the cell of each pixel, row by row from the top left; 0 is background.
     pub numbers: Vec<u32>,
     /// The cells; number n has index n - 1.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<SegmentedCell>,
     /// How the picture was taken, as stated or as determined.
     pub modality: Modality,
     /// Why it was treated as this modality, in words; `None` if it was stated, and for masks.
     pub modality_reason: Option<String>,
-    /// The threshold that was used, in the unit of [`Settings::threshold`]; 0 for a mask.
+    /// The threshold that was used, in the unit of [`SegmentationSettings::threshold`]; 0 for a mask.
     pub threshold: f64,
     /// Warnings.
     pub notes: Vec<String>,
@@ -345,7 +345,7 @@ impl Segmentation {
     ///
     /// # Errors
     /// No such cell, none at that place, or one that the frame cuts while `allow_cut` is false.
-    pub fn choose(&self, choice: Choice, allow_cut: bool) -> Result<&Cell, SegmentError> {
+    pub fn choose(&self, choice: Choice, allow_cut: bool) -> Result<&SegmentedCell, SegmentError> {
         let cell = match choice {
             Choice::Largest => {
                 let whole =
@@ -368,13 +368,13 @@ impl Segmentation {
     }
 
     /// The name of a cell: its label if the labels distinguish cells, else its number.
-    pub fn name(&self, cell: &Cell) -> String {
+    pub fn name(&self, cell: &SegmentedCell) -> String {
         // A single mask value marks all cells alike.
         let labelled = self.cells.iter().any(|other| other.label != cell.label);
         cell.label.filter(|_| labelled).unwrap_or(cell.number).to_string()
     }
 
-    fn labelled(&self, label: u32) -> Result<&Cell, SegmentError> {
+    fn labelled(&self, label: u32) -> Result<&SegmentedCell, SegmentError> {
         if self.modality != Modality::Mask {
             return Err(SegmentError::NotAMask { label });
         }
@@ -390,7 +390,7 @@ impl Segmentation {
         })
     }
 
-    fn at(&self, [x, y]: [f64; 2]) -> Result<&Cell, SegmentError> {
+    fn at(&self, [x, y]: [f64; 2]) -> Result<&SegmentedCell, SegmentError> {
         let inside = x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64;
         let number = if inside { self.numbers[y as usize * self.width + x as usize] } else { 0 };
         if let Some(cell) = self.cells.iter().find(|cell| cell.number == number) {
@@ -480,7 +480,7 @@ impl Found<'_> {
         self,
         plane: &Plane,
         pixel_size: PixelSize,
-        settings: &Settings,
+        settings: &SegmentationSettings,
         judge: impl Fn(&Candidate<'_>) -> Confidence,
     ) -> Result<Segmentation, Interrupted> {
         let interruption = &settings.interruption;
@@ -515,7 +515,7 @@ impl Found<'_> {
             let doubts = parting.doubts.iter().filter(concerns);
             let doubt = doubts.min_by(|a, b| a.factor().total_cmp(&b.factor()));
             let doubt = doubt.map(|doubt| (doubt.factor(), doubt.reason(self.factor)));
-            Ok(Cell {
+            Ok(SegmentedCell {
                 number,
                 label: None,
                 pixels: pixels.len(),
@@ -532,16 +532,15 @@ impl Found<'_> {
                 }),
             })
         };
-        let mut cells: Vec<Cell> = (1..).zip(&pixels).map(cell).collect::<Result<_, _>>()?;
+        let mut cells: Vec<SegmentedCell> =
+            (1..).zip(&pixels).map(cell).collect::<Result<_, _>>()?;
         interruption.check()?;
         let Self { modality, threshold, .. } = self;
         let rim_of_frame = (2 * (width + height)).saturating_sub(4);
         let mut parts: Vec<sheet::Part<'_>> = cells
             .iter_mut()
-            .map(|Cell { pixels, pixels_on_the_frame: on_frame, confidence, .. }| sheet::Part {
-                pixels: *pixels,
-                on_frame: *on_frame,
-                confidence,
+            .map(|SegmentedCell { pixels, pixels_on_the_frame: on_frame, confidence, .. }| {
+                sheet::Part { pixels: *pixels, on_frame: *on_frame, confidence }
             })
             .collect();
         let notes = figure::note(plane).inspect(|_| {

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Whether a statement of the paper is met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum StatementVerdict {
     /// Ours agrees within the stated tolerance.
     Met,
     /// Ours does not agree.
@@ -16,7 +16,7 @@ pub enum Verdict {
     Context,
 }
 
-impl Verdict {
+impl StatementVerdict {
     fn of(met: bool) -> Self {
         if met { Self::Met } else { Self::NotMet }
     }
@@ -45,7 +45,7 @@ pub struct Finding {
     /// What counts as met.
     pub criterion: &'static str,
     /// Whether it is.
-    pub verdict: Verdict,
+    pub verdict: StatementVerdict,
 }
 
 /// One run of the paper's Fig. 6.
@@ -101,7 +101,7 @@ pub fn with_paper(
             paper: "6",
             ours: equations.to_string(),
             criterion: "equal",
-            verdict: Verdict::of(equations == 6),
+            verdict: StatementVerdict::of(equations == 6),
         },
         Finding {
             quantity: "action potential, normalised",
@@ -115,7 +115,7 @@ pub fn with_paper(
                 last(&apd)
             ),
             criterion: "rest and end within 1 % of the peak",
-            verdict: Verdict::of(
+            verdict: StatementVerdict::of(
                 known(&peak_u)
                     && last(&rest).abs() <= 0.01 * last(&peak_u)
                     && u_end.abs() <= 0.01 * last(&peak_u),
@@ -127,7 +127,7 @@ pub fn with_paper(
             paper: "around 170 ms",
             ours: format!("{} ms", list(&times, 2)),
             criterion: "171.5 +- 0.5 ms, the converged solution of the paper's equations",
-            verdict: Verdict::of(
+            verdict: StatementVerdict::of(
                 known(&times) && times.iter().all(|time| (time - 171.5).abs() <= 0.5),
             ),
         },
@@ -137,7 +137,7 @@ pub fn with_paper(
             paper: "100 % of stress",
             ours: format!("{} %", list(&reached, 2)),
             criterion: "within 0.1 %",
-            verdict: Verdict::of(
+            verdict: StatementVerdict::of(
                 known(&reached) && reached.iter().all(|part| (part - 100.0).abs() <= 0.1),
             ),
         },
@@ -147,7 +147,7 @@ pub fn with_paper(
             paper: "0 % of stress",
             ours: format!("{} % at the end", list(&at_end, 2)),
             criterion: "below 1 %",
-            verdict: Verdict::of(known(&at_end) && largest(&at_end) < 1.0),
+            verdict: StatementVerdict::of(known(&at_end) && largest(&at_end) < 1.0),
         },
         Finding {
             quantity: "maximum deformation",
@@ -155,7 +155,7 @@ pub fn with_paper(
             paper: "12 % at 50 kPa",
             ours: format!("{strongest:.2} %"),
             criterion: "12.0 +- 0.2 %",
-            verdict: Verdict::of((strongest - 12.0).abs() <= 0.2),
+            verdict: StatementVerdict::of((strongest - 12.0).abs() <= 0.2),
         },
         Finding {
             quantity: "deformation at 30, 40, 50 kPa",
@@ -163,7 +163,7 @@ pub fn with_paper(
             paper: "grows with tension",
             ours: format!("{} %", list(&shortening, 2)),
             criterion: "strictly rising",
-            verdict: Verdict::of(
+            verdict: StatementVerdict::of(
                 known(&shortening) && shortening.windows(2).all(|pair| pair[0] < pair[1]),
             ),
         },
@@ -173,7 +173,7 @@ pub fn with_paper(
             paper: "at the same time",
             ours: format!("{} ms later", list(&lags, 2)),
             criterion: "lag at most 1 ms",
-            verdict: Verdict::of(known(&lags) && largest(&lags) <= 1.0),
+            verdict: StatementVerdict::of(known(&lags) && largest(&lags) <= 1.0),
         },
         Finding {
             quantity: "return to the initial shape",
@@ -181,7 +181,7 @@ pub fn with_paper(
             paper: "back to its initial configuration",
             ours: format!("{} % short at the end", list(&residual, 3)),
             criterion: "within 0.1 % of the length",
-            verdict: Verdict::of(known(&residual) && largest(&residual) <= 0.1),
+            verdict: StatementVerdict::of(known(&residual) && largest(&residual) <= 0.1),
         },
         Finding {
             quantity: "mass centre",
@@ -189,7 +189,7 @@ pub fn with_paper(
             paper: "fixed",
             ours: format!("moves {drift:.1e} um"),
             criterion: "less than 1e-6 um",
-            verdict: Verdict::of(drift < 1e-6),
+            verdict: StatementVerdict::of(drift < 1e-6),
         },
         Finding {
             quantity: "shortening of measured cells",
@@ -197,7 +197,7 @@ pub fn with_paper(
             paper: "8 to 10 %",
             ours: format!("{} % at 30, 40, 50 kPa", list(&shortening, 1)),
             criterion: "a measurement to compare with",
-            verdict: Verdict::Context,
+            verdict: StatementVerdict::Context,
         },
     ]
 }
@@ -254,7 +254,7 @@ mod tests {
         let empty = Recording::default();
         let runs = TENSIONS.map(|peak_tension| PaperRun { peak_tension, recording: &empty });
         for finding in with_paper(&runs, 50.0, 5, &[]) {
-            assert_ne!(finding.verdict, Verdict::Met, "{finding:?}");
+            assert_ne!(finding.verdict, StatementVerdict::Met, "{finding:?}");
         }
     }
 

@@ -8,7 +8,7 @@
 //! | [`contraction`] | shortening over time, one or several curves | Fig. 6 |
 //! | [`compared()`] | curves and cells of several runs over each other | |
 //! | [`overview()`] | cell and curves of one run in one picture | |
-//! | [`Film`] | the beating cell as GIF or as frames for video | |
+//! | [`BeatFilm`] | the beating cell as GIF or as frames for video | |
 //! | [`rankings`] | which parameter matters for which metric | |
 //! | [`scatter`] | a metric of many members over each parameter | |
 //! | [`distributions`] | histograms of the metrics of many members | |
@@ -26,7 +26,7 @@
 //! those of [`ColourScale`](crate::field::ColourScale), which are light at rest; people with any
 //! colour vision can read both. [`Figure::themed`] puts it on dark paper.
 //!
-//! A [`Cell`] is drawn with its smooth outline, which moves with its lattice; [`mesh`] shows the
+//! A [`DrawnCell`] is drawn with its smooth outline, which moves with its lattice; [`mesh`] shows the
 //! lattice. Area and length in the results of a run are those of the lattice. At rest the areas of
 //! outline and lattice differ by less than the mesh's report says (`area_error_pct`), the lengths
 //! by less than a spacing at either end.
@@ -61,18 +61,18 @@ mod traces;
 mod tracked;
 mod work_loop;
 
-pub use cell::Cell;
-pub use compared::{Compared, Rings, compared};
+pub use cell::DrawnCell;
+pub use compared::{ComparedRun, Rings, compared};
 pub(crate) use facets::{check_frame, check_mesh};
-pub use film::{FRAMES_PER_SECOND, Film, Still};
-pub use fit::{FittedCurve, LikelihoodProfile, fit};
+pub use film::{BeatFilm, FRAMES_PER_SECOND, Still};
+pub use fit::{DrawnFit, LikelihoodProfile, fit};
 pub use lattice::mesh;
 pub use maps::{Map, maps, no_map};
 pub use measured::{Measured, measured};
 pub(crate) use measured::{around, shown};
 pub use members::{
-    Distribution, Numbers, QUANTILES, Response, ResponseMap, Scatter, TraceBand, distributions,
-    response_map, responses, scatter, trace_bands,
+    Distribution, MemberResponse, Numbers, QUANTILES, ResponseMap, Scatter, TraceBand,
+    distributions, response_map, responses, scatter, trace_bands,
 };
 pub use moments::{Shape, key_shapes};
 pub use overlay::{Contour, Overlay, Sarcomeres, Tick, overlay};

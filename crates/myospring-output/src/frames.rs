@@ -104,7 +104,7 @@ pub fn to_npz_with(
 
 /// Content of `frames.npz`: a mesh without springs, enough to draw it, and its frames.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Kept {
+pub struct SavedFrames {
     /// Points, areas and triangles.
     pub mesh: Mesh,
     /// Unit vector along the fibre of each triangle, at rest.
@@ -119,12 +119,12 @@ pub struct Kept {
 ///
 /// # Errors
 /// Bytes that are not an archive of arrays.
-pub fn read(bytes: &[u8]) -> Result<Option<Kept>, NpzError> {
+pub fn read(bytes: &[u8]) -> Result<Option<SavedFrames>, NpzError> {
     let arrays = npz::read(bytes)?;
     Ok(kept(&|name| arrays.get(name)))
 }
 
-fn kept<'a>(array: &dyn Fn(&str) -> Option<&'a Array>) -> Option<Kept> {
+fn kept<'a>(array: &dyn Fn(&str) -> Option<&'a Array>) -> Option<SavedFrames> {
     let floats = |name: &str| array(name).and_then(Array::as_floats);
     let axes = |pairs: &[[f64; 2]]| -> [Vec<f64>; 2] {
         [0, 1].map(|axis: usize| pairs.iter().map(|pair| pair[axis]).collect())
@@ -178,7 +178,7 @@ fn kept<'a>(array: &dyn Fn(&str) -> Option<&'a Array>) -> Option<Kept> {
     let lattice =
         lattice(rest, array("column_row").and_then(Array::as_whole), floats("spacing_um"));
     let mesh = Mesh { points: axes(rest), areas, springs: Vec::new(), simplices, lattice };
-    Some(Kept { mesh, fibres: fibres.to_vec(), rings, frames })
+    Some(SavedFrames { mesh, fibres: fibres.to_vec(), rings, frames })
 }
 
 /// The lattice of the points, if they have columns and rows.

@@ -17,7 +17,7 @@ const ALIGNMENT: usize = 64;
 
 /// Numbers of an array.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Numbers {
+pub enum ArrayNumbers {
     /// 64-bit floats.
     Floats(Vec<f64>),
     /// Whole numbers, signed 32 bits.
@@ -30,41 +30,41 @@ pub struct Array {
     /// Length along each axis.
     pub shape: Vec<usize>,
     /// The values; their number is the product of the lengths.
-    pub numbers: Numbers,
+    pub numbers: ArrayNumbers,
 }
 
 impl Array {
     /// An array of floats.
     pub fn floats(shape: impl Into<Vec<usize>>, numbers: impl IntoIterator<Item = f64>) -> Self {
-        Self { shape: shape.into(), numbers: Numbers::Floats(numbers.into_iter().collect()) }
+        Self { shape: shape.into(), numbers: ArrayNumbers::Floats(numbers.into_iter().collect()) }
     }
 
     /// An array of whole numbers.
     pub fn whole(shape: impl Into<Vec<usize>>, numbers: impl IntoIterator<Item = i32>) -> Self {
-        Self { shape: shape.into(), numbers: Numbers::Whole(numbers.into_iter().collect()) }
+        Self { shape: shape.into(), numbers: ArrayNumbers::Whole(numbers.into_iter().collect()) }
     }
 
     /// Its values, if they are floats.
     pub fn as_floats(&self) -> Option<&[f64]> {
         match &self.numbers {
-            Numbers::Floats(numbers) => Some(numbers),
-            Numbers::Whole(_) => None,
+            ArrayNumbers::Floats(numbers) => Some(numbers),
+            ArrayNumbers::Whole(_) => None,
         }
     }
 
     /// Its values, if they are whole numbers.
     pub fn as_whole(&self) -> Option<&[i32]> {
         match &self.numbers {
-            Numbers::Whole(numbers) => Some(numbers),
-            Numbers::Floats(_) => None,
+            ArrayNumbers::Whole(numbers) => Some(numbers),
+            ArrayNumbers::Floats(_) => None,
         }
     }
 
     /// The header of its NumPy file.
     fn header(&self) -> Vec<u8> {
         let kind = match self.numbers {
-            Numbers::Floats(_) => "<f8",
-            Numbers::Whole(_) => "<i4",
+            ArrayNumbers::Floats(_) => "<f8",
+            ArrayNumbers::Whole(_) => "<i4",
         };
         header(kind, &self.shape)
     }
@@ -126,10 +126,10 @@ pub fn to_bytes(arrays: &[(&str, Array)]) -> Result<Vec<u8>, NpzError> {
     for (name, array) in arrays {
         let failed = |source| NpzError::Bytes { name: (*name).to_owned(), source };
         let content = match &array.numbers {
-            Numbers::Floats(numbers) => {
+            ArrayNumbers::Floats(numbers) => {
                 numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>()
             }
-            Numbers::Whole(numbers) => {
+            ArrayNumbers::Whole(numbers) => {
                 numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
             }
         };
@@ -177,16 +177,16 @@ fn parse(bytes: &[u8]) -> Option<Array> {
     let count = shape.iter().try_fold(1_usize, |product, length| product.checked_mul(*length))?;
     let numbers = if header.contains("'<f8'") {
         let (chunks, []) = content.as_chunks::<8>() else { return None };
-        Numbers::Floats(chunks.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
+        ArrayNumbers::Floats(chunks.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
     } else if header.contains("'<i4'") {
         let (chunks, []) = content.as_chunks::<4>() else { return None };
-        Numbers::Whole(chunks.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect())
+        ArrayNumbers::Whole(chunks.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect())
     } else {
         return None;
     };
     let found = match &numbers {
-        Numbers::Floats(numbers) => numbers.len(),
-        Numbers::Whole(numbers) => numbers.len(),
+        ArrayNumbers::Floats(numbers) => numbers.len(),
+        ArrayNumbers::Whole(numbers) => numbers.len(),
     };
     (found == count).then_some(Array { shape, numbers })
 }

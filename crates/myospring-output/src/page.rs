@@ -28,7 +28,7 @@ mod runs;
 mod table;
 mod template;
 
-pub use cell::{Beat, MovingCell};
+pub use cell::{BeatingCells, MovingCell};
 pub use chart::{Chart, Dot, Series, Side, Span, Tone};
 pub use error::PageError;
 pub use figure::{Drawing, Thumbnail};
@@ -36,4 +36,4 @@ pub use given::{Answer, Page, Part, Quality, Section};
 pub use html::html;
 pub use photograph::Photograph;
 pub use runs::{Difference, PageRun, ParameterGroup, ParameterRow, Runs};
-pub use table::{Cell, Column, Look, Mark, Row, Table, Tile, metric_words};
+pub use table::{Column, Look, Row, Table, TableCell, Tile, VerdictMark, metric_words};

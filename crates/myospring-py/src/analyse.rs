@@ -3,7 +3,7 @@
 use crate::experiment::{self, Progress};
 use crate::fit::{self, Measured, Reading};
 use myospring::experiment::analyse::{Analyse, Analysed};
-use myospring::experiment::{Beats, Files};
+use myospring::experiment::{BeatOptions, Files};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -43,7 +43,7 @@ pub(crate) fn analyse(
         paths,
         curves: curves.into_iter().map(fit::curve).collect::<PyResult<_>>()?,
         table: reading.options()?,
-        beats: Beats {
+        beats: BeatOptions {
             stimuli_ms: finding.stimulus_times_ms,
             period_ms: finding.stimulus_period_ms,
             start_ms: finding.stimulus_start_ms,

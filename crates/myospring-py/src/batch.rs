@@ -4,11 +4,11 @@ use crate::cell::Cell;
 use crate::waiting::interruptible;
 use crate::{errors, settings, words};
 use myospring::interruption::Interruption;
-use myospring::settings::{Kind, Number, Run};
+use myospring::settings::{NumericSetting, Run, ValueKind};
 use myospring::study::parameters::{
     Common, ParameterStudy, ParameterStudyError, Shard, Variation, VariationRow, run_members,
 };
-use myospring::study::{Journal, Observer, StudyError, Threads};
+use myospring::study::{Journal, StudyError, StudyObserver, Threads};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -17,10 +17,10 @@ use pyo3::types::PyDict;
 const AT_ONCE: usize = 8192;
 
 /// The number that a column of the matrix sets.
-fn number(py: Python<'_>, name: &str, usual: &Run) -> PyResult<Number> {
+fn number(py: Python<'_>, name: &str, usual: &Run) -> PyResult<NumericSetting> {
     if let Some(setting) = settings::find(name) {
         return match setting.kind {
-            Kind::Quantity { .. } | Kind::Whole { .. } => Ok(Number {
+            ValueKind::Quantity { .. } | ValueKind::Whole { .. } => Ok(NumericSetting {
                 key: setting.key.to_owned(),
                 unit: setting.unit().unwrap_or_default().to_owned(),
             }),
@@ -30,7 +30,7 @@ fn number(py: Python<'_>, name: &str, usual: &Run) -> PyResult<Number> {
         };
     }
     // Parameters of the cell model, and settings as a study names them: `peak_tension`, in kPa.
-    Number::named(usual, name).map_err(|_| {
+    NumericSetting::named(usual, name).map_err(|_| {
         let rows = usual.cell.parameters().rows();
         errors::unknown_among(py, name, rows.iter().map(|row| &*row.name))
     })
@@ -128,7 +128,7 @@ pub(crate) fn numbers_of(numbers: &PyReadonlyArray1<'_, u64>) -> PyResult<Vec<us
 /// Ends a study early.
 struct Stopped<'a>(&'a Interruption);
 
-impl Observer<Variation> for Stopped<'_> {
+impl StudyObserver<Variation> for Stopped<'_> {
     fn finished(&self, _member: &Variation, _rows: &[VariationRow]) -> bool {
         !self.0.is_asked()
     }

@@ -6,7 +6,7 @@ use crate::{errors, experiment, settings, words};
 use ciborium::{from_reader, into_writer};
 use myospring::analysis::Metric;
 use myospring::analysis::beat::Beats;
-use myospring::experiment::run::{ALL, Beaten, NONE, OUTPUTS, Output, Prepared, chosen};
+use myospring::experiment::run::{ALL, FinishedRun, NONE, OUTPUTS, Output, PreparedRun, chosen};
 use myospring::experiment::{ExperimentError, Folder, Observer};
 use myospring::integrate::engine::EngineUsed;
 use myospring::interruption::Interruption;
@@ -15,7 +15,7 @@ use myospring::output::figure::{self, FigureError};
 use myospring::output::report::about_model;
 use myospring::recording::{Frame, Recording, Sample, Signal};
 use myospring::run_file::RunFile;
-use myospring::settings::{Made, Run};
+use myospring::settings::{MeshedRun, Run};
 use myospring::simulation::{Effort, Outcome, StopReason};
 use myospring::study::sha256;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _};
@@ -50,7 +50,7 @@ pub(crate) struct Beat {
     pub(crate) cell: Arc<Inner>,
     /// The settings that were given, those of the cell included.
     file: RunFile,
-    pub(crate) beaten: Beaten,
+    pub(crate) beaten: FinishedRun,
     beats: Beats,
 }
 
@@ -91,7 +91,7 @@ pub(crate) fn beat(
     let beaten = interruptible(py, |interruption| {
         let named = (cell.name.clone(), Run { interruption: interruption.clone(), ..run });
         let shape = (cell.shaped.clone(), sha256(&cell.bytes.shape));
-        Ok::<_, ExperimentError>(Prepared::new(named, shape, threads, &cell.files())?.beat(&()))
+        Ok::<_, ExperimentError>(PreparedRun::new(named, shape, threads, &cell.files())?.beat(&()))
     })?;
     let mut beaten = beaten.map_err(|error| errors::of_experiment(&error))?;
     // That of the work that follows is another.
@@ -101,7 +101,7 @@ pub(crate) fn beat(
 }
 
 /// The run of a run file and its simulation on a cell.
-pub(crate) fn make(py: Python<'_>, cell: &Inner, file: &RunFile) -> PyResult<(Run, Made)> {
+pub(crate) fn make(py: Python<'_>, cell: &Inner, file: &RunFile) -> PyResult<(Run, MeshedRun)> {
     let mut run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
     let made = interruptible(py, |interruption| {
         let run = run.clone().interrupted_by(interruption);
@@ -259,7 +259,7 @@ impl Beat {
             let fields = Fields::new(&simulation.mesh, &simulation.fibres, content)?;
             let frames = &self.beaten.outcome.recording.frames;
             let cell =
-                figure::Cell::new(fields, Some(&self.beaten.made.outline))?.scaled_to(frames);
+                figure::DrawnCell::new(fields, Some(&self.beaten.made.outline))?.scaled_to(frames);
             let stimuli = &self.beaten.outcome.stimulus_times_ms;
             Ok(figure::overview(&cell, &self.beaten.outcome.recording, stimuli)?.to_svg())
         };
@@ -347,16 +347,16 @@ impl Beat {
         cell: &Arc<Inner>,
         file: RunFile,
         run: Run,
-        made: Made,
+        made: MeshedRun,
         outcome: Outcome,
         warnings: Vec<String>,
     ) -> Self {
         let (name, sha256) = (cell.name.clone(), sha256(&cell.bytes.shape));
-        let beaten = Beaten::of(name, run, sha256, made, outcome, warnings, cell.files());
+        let beaten = FinishedRun::of(name, run, sha256, made, outcome, warnings, cell.files());
         Self::of(cell, file, beaten)
     }
 
-    fn of(cell: &Arc<Inner>, file: RunFile, beaten: Beaten) -> Self {
+    fn of(cell: &Arc<Inner>, file: RunFile, beaten: FinishedRun) -> Self {
         let (cell, beats) = (Arc::clone(cell), beaten.outcome.beats());
         Self { cell, file, beaten, beats }
     }
@@ -364,7 +364,7 @@ impl Beat {
 
 /// A beat with the outputs that are to be written.
 struct Saved<'a> {
-    beaten: &'a Beaten,
+    beaten: &'a FinishedRun,
     outputs: Vec<&'static Output>,
 }
 

@@ -5,10 +5,10 @@ use crate::experiment::{self, Progress};
 use crate::tension_map::TensionMap;
 use crate::waiting::interruptible;
 use crate::{beat, errors, settings, words};
-use myospring::experiment::fit::{Fit, Fits, Shapes, between_springs, observed, of_table};
-use myospring::experiment::{Beats, Files};
+use myospring::experiment::fit::{FitCell, Fits, Shapes, between_springs, observed, of_table};
+use myospring::experiment::{BeatOptions, Files};
 use myospring::fit::{self, FitError, Loaded, Sought};
-use myospring::measured::{self, Column, Curve, Kind, Options, ReadError};
+use myospring::measured::{self, Column, Curve, Kind, ReadError, TableOptions};
 use myospring::output::files;
 use myospring::output::json;
 use myospring::settings::{Run, Source};
@@ -52,8 +52,8 @@ pub(crate) struct Reading {
 
 impl Reading {
     /// As the library takes it.
-    pub(crate) fn options(self) -> PyResult<Options> {
-        Ok(Options {
+    pub(crate) fn options(self) -> PyResult<TableOptions> {
+        Ok(TableOptions {
             time: self.time.as_deref().map(Column::of),
             values: self.columns.iter().map(|name| Column::of(name)).collect(),
             kind: self.kind.as_deref().map(kind).transpose()?,
@@ -67,7 +67,7 @@ impl Reading {
             ignore_marks: self.ignore_marks,
             mean: self.mean,
             skip_gaps: self.skip_gaps,
-            ..Options::default()
+            ..TableOptions::default()
         })
     }
 }
@@ -92,9 +92,9 @@ impl Asked {
         Sought { free, fix, bounds, starts: *starts, seed: *seed }
     }
 
-    fn beats(&self) -> Beats {
+    fn beats(&self) -> BeatOptions {
         let stimuli_ms = self.stimulus_times_ms.clone().unwrap_or_default();
-        Beats { stimuli_ms, ..Beats::default() }
+        BeatOptions { stimuli_ms, ..BeatOptions::default() }
     }
 }
 
@@ -200,14 +200,14 @@ pub(crate) fn fit_film(
     threads: Option<usize>,
     progress: Progress,
 ) -> PyResult<FilmFit> {
-    let fit = Fit {
+    let fit = FitCell {
         to: vec![film],
         settings: settings::list(given)?,
         table: reading.options()?,
         beats: asked.beats(),
         sought: asked.sought(),
         threads,
-        ..Fit::default()
+        ..FitCell::default()
     };
     let files = Files::default();
     let fits = experiment::run(py, &fit, &files, progress)?;

@@ -2,8 +2,8 @@
 
 use ciborium::{from_reader, into_writer};
 use myospring::run_file::RunFile;
-use myospring::settings::Number;
-use myospring::study::parameters::{Common, Kind, ParameterStudy, Which};
+use myospring::settings::NumericSetting;
+use myospring::study::parameters::{Common, CountedBeat, MemberKind, ParameterStudy};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -13,8 +13,8 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 #[derive(Serialize, Deserialize)]
 struct Head<'a> {
     version: String,
-    kind: Kind,
-    beat: Which,
+    kind: MemberKind,
+    beat: CountedBeat,
     run_file: String,
     /// Key and unit of each number that varies.
     numbers: Vec<(String, String)>,
@@ -51,7 +51,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<(ParameterStudy, BTreeMap<String, Vec
         ));
     }
     let file = RunFile::from_text(&run_file).map_err(|error| error.to_string())?;
-    let numbers = numbers.into_iter().map(|(key, unit)| Number { key, unit }).collect();
+    let numbers = numbers.into_iter().map(|(key, unit)| NumericSetting { key, unit }).collect();
     let study = ParameterStudy::of_rows(file, numbers, metrics, Vec::new());
     let study = study.map_err(|error| error.to_string())?;
     Ok((ParameterStudy { kind, beat, traces, ..study }, files.into_owned()))

@@ -1,6 +1,6 @@
 //! What a setting is called in Python.
 
-use myospring::settings::{Kind, Setting};
+use myospring::settings::{Setting, ValueKind};
 
 /// Ends of names for units.
 const SUFFIXES: [(&str, &str); 11] = [
@@ -29,7 +29,7 @@ pub(crate) fn name(setting: &Setting) -> String {
         _ => bare.to_owned(),
     };
     let unit = match setting.kind {
-        Kind::Quantity { .. } => setting.unit().unwrap_or_default(),
+        ValueKind::Quantity { .. } => setting.unit().unwrap_or_default(),
         _ => "",
     };
     let suffix = SUFFIXES.iter().find(|(known, _)| *known == unit).map_or("", |(_, suffix)| suffix);

@@ -4,7 +4,7 @@ use crate::errors;
 use crate::name::name;
 use myospring::cell;
 use myospring::run_file::RunFile;
-use myospring::settings::{Kind, Run, Setting, Value, table, tables};
+use myospring::settings::{Run, Setting, Value, ValueKind, table, tables};
 use myospring::units;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -55,10 +55,10 @@ pub(crate) fn put(file: &mut RunFile, given: &Bound<'_, PyDict>) -> PyResult<()>
 /// A number in the setting's own unit, as it is written in a run file.
 pub(crate) fn number(setting: &Setting, number: f64) -> Value {
     match setting.kind {
-        Kind::Quantity { bounds, .. } if bounds.dimension != units::Dimension::Number => {
+        ValueKind::Quantity { bounds, .. } if bounds.dimension != units::Dimension::Number => {
             Value::Text(units::format(number, bounds.dimension))
         }
-        Kind::Whole { .. } if number.fract() == 0.0 => Value::Whole(number as i64),
+        ValueKind::Whole { .. } if number.fract() == 0.0 => Value::Whole(number as i64),
         _ => Value::Number(number),
     }
 }
@@ -82,15 +82,15 @@ fn read(setting: &Setting, value: &Bound<'_, PyAny>) -> PyResult<Value> {
         Err(PyTypeError::new_err(format!("`{}` is of type {found}; give {wanted}", name(setting))))
     };
     Ok(match setting.kind {
-        Kind::Flag { .. } => match value.extract() {
+        ValueKind::Flag { .. } => match value.extract() {
             Ok(flag) => Value::Flag(flag),
             Err(_) => return wrong("True or False"),
         },
-        Kind::Whole { .. } => match value.extract() {
+        ValueKind::Whole { .. } => match value.extract() {
             Ok(whole) if !is_truth(value) => Value::Whole(whole),
             _ => return wrong("a whole number"),
         },
-        Kind::Quantity { .. } => {
+        ValueKind::Quantity { .. } => {
             let Some(given) = float(value) else {
                 let unit = setting.unit().filter(|unit| !unit.is_empty());
                 return wrong(
@@ -104,7 +104,7 @@ fn read(setting: &Setting, value: &Bound<'_, PyAny>) -> PyResult<Value> {
             }
             number(setting, given)
         }
-        Kind::Named { .. } => {
+        ValueKind::Named { .. } => {
             let Ok(rows) = value.cast::<PyDict>() else { return wrong("a dict of name to number") };
             let mut named = BTreeMap::new();
             for (name, value) in rows {
@@ -119,7 +119,10 @@ fn read(setting: &Setting, value: &Bound<'_, PyAny>) -> PyResult<Value> {
             }
             Value::Named(named)
         }
-        Kind::Text { .. } | Kind::File { .. } | Kind::Words { .. } | Kind::Written { .. } => {
+        ValueKind::Text { .. }
+        | ValueKind::File { .. }
+        | ValueKind::Words { .. }
+        | ValueKind::Written { .. } => {
             if let Ok(text) = value.extract::<String>() {
                 Value::Text(text)
             } else if let Ok(place) = value.extract::<(f64, f64)>() {
@@ -148,7 +151,7 @@ fn to_python<'py>(
     value: &Value,
 ) -> PyResult<Option<Bound<'py, PyAny>>> {
     Ok(Some(match (setting.kind, value) {
-        (Kind::Quantity { bounds, .. }, value) => {
+        (ValueKind::Quantity { bounds, .. }, value) => {
             let text = match value {
                 Value::Text(text) => text.clone(),
                 other => other.to_string(),
@@ -207,7 +210,7 @@ pub(crate) fn settings(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         row.set_item("kind", kind(setting))?;
         row.set_item("unit", setting.unit())?;
         let default = match setting.kind {
-            Kind::Flag { .. } => Some(Value::Flag(false)),
+            ValueKind::Flag { .. } => Some(Value::Flag(false)),
             _ if setting.otherwise.is_some() || depends(setting) => None,
             _ => setting.get(&usual),
         };
@@ -220,14 +223,14 @@ pub(crate) fn settings(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
 
 fn kind(setting: &Setting) -> &'static str {
     match setting.kind {
-        Kind::Text { .. } => "text",
-        Kind::File { .. } => "file",
-        Kind::Words { .. } => "words",
-        Kind::Flag { .. } => "flag",
-        Kind::Whole { .. } => "whole",
-        Kind::Quantity { .. } => "quantity",
-        Kind::Written { .. } => "written",
-        Kind::Named { .. } => "named",
+        ValueKind::Text { .. } => "text",
+        ValueKind::File { .. } => "file",
+        ValueKind::Words { .. } => "words",
+        ValueKind::Flag { .. } => "flag",
+        ValueKind::Whole { .. } => "whole",
+        ValueKind::Quantity { .. } => "quantity",
+        ValueKind::Written { .. } => "written",
+        ValueKind::Named { .. } => "named",
     }
 }
 

@@ -7,7 +7,7 @@ use myospring::experiment::{self, ExperimentError};
 use myospring::interruption::Interruption;
 use myospring::output::files::{self, Manifest, Reads};
 use myospring::study::parameters::{
-    Answer, Common, Kind, ParameterStudy, ParameterStudyError, Shard, TRACES, Variation,
+    Answer, Common, MemberKind, ParameterStudy, ParameterStudyError, Shard, TRACES, Variation,
     VariationRow,
 };
 use myospring::study::{Journal, Status, StudyError, Threads};
@@ -180,8 +180,8 @@ impl Study {
     #[getter]
     fn kind(&self) -> &'static str {
         match self.parameters.kind {
-            Kind::Beat => "beat",
-            Kind::Cell => "cell",
+            MemberKind::Beat => "beat",
+            MemberKind::Cell => "cell",
         }
     }
 

@@ -4,7 +4,7 @@ use crate::cell::{Cell, pairs};
 use crate::experiment::{self, Progress};
 use crate::{errors, settings};
 use myospring::experiment::Files;
-use myospring::experiment::tension_map::{FilmMap, MapOfFilm};
+use myospring::experiment::tension_map::{FilmMap, MapTension};
 use myospring::experiment::track::Track;
 use myospring::output::table::Column;
 use numpy::{PyArray1, PyArray2};
@@ -38,7 +38,7 @@ pub(crate) fn tension_map(
     frame_rate_per_s: Option<f64>,
     progress: Progress,
 ) -> PyResult<TensionMap> {
-    let asked = MapOfFilm { track: track(film, given, frame_rate_per_s)? };
+    let asked = MapTension { track: track(film, given, frame_rate_per_s)? };
     let files = Files::default();
     let map = experiment::run(py, &asked, &files, progress)?;
     let cell = Py::new(py, Cell::of_film(&map.followed, &files))?;

@@ -4,7 +4,7 @@ use crate::cell::pairs;
 use crate::experiment::{self, Progress};
 use crate::{errors, settings};
 use myospring::experiment::Files;
-use myospring::experiment::segment::{FrameReport, ReadFrame};
+use myospring::experiment::segment::{FrameReport, ReadWholeFrame};
 use myospring::run_file::RunFile;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -25,7 +25,7 @@ pub(crate) fn whole_frame<'py>(
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
     let picture = run.shape.file().unwrap_or_default().to_owned();
     let files = Files::holding(arrays);
-    let read = experiment::run(py, &ReadFrame { picture, run }, &files, Progress::None)?;
+    let read = experiment::run(py, &ReadWholeFrame { picture, run }, &files, Progress::None)?;
     let warnings = experiment::warnings(&read);
     let FrameReport { width_um, height_um, pixel_size_um, spacing_um, ref fibres, .. } =
         read.report();

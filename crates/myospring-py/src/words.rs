@@ -2,7 +2,7 @@
 
 use crate::name::name;
 use myospring::experiment::legible;
-use myospring::settings::{Kind, Setting, table};
+use myospring::settings::{Setting, ValueKind, table};
 use myospring::units;
 use pyo3::prelude::*;
 
@@ -80,7 +80,7 @@ fn argument(option: &str, after: &str) -> (String, usize) {
     let none = |text: &str| (text.to_owned(), 0);
     if let Some(setting) = table().find(|it| it.option.is_some_and(|own| own.name == option)) {
         let name = name(setting);
-        if matches!(setting.kind, Kind::Flag { .. }) {
+        if matches!(setting.kind, ValueKind::Flag { .. }) {
             return (format!("{name}=True"), 0);
         }
         let Some((value, length)) = value else { return (name, 0) };
@@ -126,11 +126,11 @@ fn value_of(after: &str) -> Option<(&str, usize)> {
 fn in_its_unit(setting: &Setting, value: &str) -> Option<String> {
     let bare = value.trim_matches('"');
     match setting.kind {
-        Kind::Quantity { bounds, .. } => {
+        ValueKind::Quantity { bounds, .. } => {
             units::parse(bare, bounds.dimension).ok().map(|number| number.to_string())
         }
-        Kind::Whole { .. } => bare.parse::<i64>().ok().map(|number| number.to_string()),
-        Kind::Words { words, .. } => {
+        ValueKind::Whole { .. } => bare.parse::<i64>().ok().map(|number| number.to_string()),
+        ValueKind::Words { words, .. } => {
             words.iter().any(|word| word.name == bare).then(|| format!("\"{bare}\""))
         }
         _ if bare.parse::<f64>().is_ok() => Some(bare.to_owned()),

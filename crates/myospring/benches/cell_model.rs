@@ -25,12 +25,18 @@ fn beats_at_1_hz(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(1));
         group.bench_function(BenchmarkId::new("fixed_steps", model.name()), |bencher| {
             bencher.iter(|| {
-                solve::solve(&model, train(1), solve::Settings::default(), 1000.0, black_box(10.0))
+                solve::solve(
+                    &model,
+                    train(1),
+                    solve::SolverSettings::default(),
+                    1000.0,
+                    black_box(10.0),
+                )
             });
         });
         group.throughput(Throughput::Elements(20));
         group.bench_function(BenchmarkId::new("adaptive", model.name()), |bencher| {
-            let settings = adaptive::Settings::default();
+            let settings = adaptive::AdaptiveSettings::default();
             bencher.iter(|| adaptive::beats(&model, train(20), settings, black_box(20_050.0)));
         });
         let cells: Vec<Paced> = (0..64)
@@ -44,7 +50,7 @@ fn beats_at_1_hz(criterion: &mut Criterion) {
             .collect();
         group.throughput(Throughput::Elements(20 * cells.len() as u64));
         group.bench_function(BenchmarkId::new("population", model.name()), |bencher| {
-            let method = solve::Settings::of(solve::Method::Adaptive);
+            let method = solve::SolverSettings::of(solve::CellMethod::Adaptive);
             let settings = BatchSettings { method, sample_interval_ms: None };
             bencher.iter(|| batch::run(black_box(&cells), &settings));
         });
@@ -56,7 +62,7 @@ fn stiff_beat(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("stiff_beat_of_40_states");
     let model = own_cell::stiff();
     let protocol = Protocol::once(model.default_stimulus());
-    let settings = solve::Settings::of(solve::Method::Stiff);
+    let settings = solve::SolverSettings::of(solve::CellMethod::Stiff);
     for (name, model) in
         [("own_jacobian", model.clone()), ("differences", model.clone().without_jacobian())]
     {

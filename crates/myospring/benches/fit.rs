@@ -3,7 +3,7 @@
 #![allow(clippy::expect_used, reason = "a benchmark may stop here")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use myospring::fit::{Fitter, Observed, Scale, Settings, Stimuli};
+use myospring::fit::{FitSettings, Fitter, Observed, Scale, Stimuli};
 use myospring::run_file::RunFile;
 use myospring::study::Threads;
 use std::f64::consts::PI;
@@ -63,27 +63,31 @@ fn fits(criterion: &mut Criterion) {
         group.bench_function(format!("a curve of {model}, its mesh included"), |bench| {
             bench.iter(|| {
                 let fitter = Fitter::new(simulation.clone()).expect("a cell to fit");
-                let fit = threads.install(|| fitter.fit(&curves, &Settings::default(), &|_| true));
+                let fit =
+                    threads.install(|| fitter.fit(&curves, &FitSettings::default(), &|_| true));
                 black_box(fit.is_ok())
             });
         });
         group.bench_function(format!("another curve of {model}"), |bench| {
             bench.iter(|| {
-                let fit = threads.install(|| fitter.fit(&curves, &Settings::default(), &|_| true));
+                let fit =
+                    threads.install(|| fitter.fit(&curves, &FitSettings::default(), &|_| true));
                 black_box(fit.is_ok())
             });
         });
         let curves = [measured(&fitter, 8)];
         group.bench_function(format!("eight beats of {model} in 2000 frames"), |bench| {
             bench.iter(|| {
-                let fit = threads.install(|| fitter.fit(&curves, &Settings::default(), &|_| true));
+                let fit =
+                    threads.install(|| fitter.fit(&curves, &FitSettings::default(), &|_| true));
                 black_box(fit.is_ok())
             });
         });
         let curves = [strange()];
         group.bench_function(format!("a curve that {model} cannot follow"), |bench| {
             bench.iter(|| {
-                let fit = threads.install(|| fitter.fit(&curves, &Settings::default(), &|_| true));
+                let fit =
+                    threads.install(|| fitter.fit(&curves, &FitSettings::default(), &|_| true));
                 black_box(fit.is_ok())
             });
         });

@@ -10,7 +10,7 @@ use std::io::Cursor;
 use criterion::{Criterion, criterion_group, criterion_main};
 use myospring::mesh::lattice;
 use myospring::mesh::pixel_size::PixelSize;
-use myospring::microscopy::cells::{Options, PictureCells};
+use myospring::microscopy::cells::{PictureCells, PictureOptions};
 use myospring::microscopy::segment::Choice;
 use synthetic_cell::{Scene, Truth};
 use tiff::encoder::{TiffEncoder, colortype::Gray16};
@@ -46,8 +46,10 @@ fn picture_to_mesh(criterion: &mut Criterion) {
         let field_um = (SIDE / cells_along_a_side) as f64 * pixel_um;
         let scene = Scene { pixel_um, field_um, contrast, beads: 2.0, ..Scene::default() };
         let bytes = tiff(&draw(&scene));
-        let options =
-            Options { pixel_size: Some(PixelSize::new(pixel_um).unwrap()), ..Options::default() };
+        let options = PictureOptions {
+            pixel_size: Some(PixelSize::new(pixel_um).unwrap()),
+            ..PictureOptions::default()
+        };
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 let cells = PictureCells::find(black_box(&bytes), &options).unwrap();

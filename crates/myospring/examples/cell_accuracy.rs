@@ -63,7 +63,7 @@ fn adaptive(
     tolerance: f64,
 ) -> Result<Vec<Numbers>, Box<dyn Error>> {
     let (protocol, duration_ms) = train(model, cycle_ms);
-    let beats = beats(model, protocol, adaptive::Settings { tolerance }, duration_ms)?;
+    let beats = beats(model, protocol, adaptive::AdaptiveSettings { tolerance }, duration_ms)?;
     beats
         .iter()
         .map(|beat| {
@@ -75,7 +75,7 @@ fn adaptive(
 
 fn fixed(model: &MinimalModel, cycle_ms: f64) -> Result<Vec<Numbers>, Box<dyn Error>> {
     let (protocol, duration_ms) = train(model, cycle_ms);
-    let course = solve(model, protocol, solve::Settings::default(), duration_ms, SAMPLE_MS)?;
+    let course = solve(model, protocol, solve::SolverSettings::default(), duration_ms, SAMPLE_MS)?;
     let place = |time_ms: f64| (time_ms / SAMPLE_MS).round() as usize;
     (0..BEATS)
         .map(|beat| {

@@ -14,7 +14,7 @@ use myospring::cell::bueno_orovio_2008::{self, Variant};
 use myospring::cell::coelho_2021;
 use myospring::cell::minimal::{Identity, MinimalModel};
 use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::solve::{Method, Settings};
+use myospring::cell::solve::{CellMethod, SolverSettings};
 use myospring::parameter::ParameterSet;
 use std::error::Error;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     sets.extend(variants.map(|variant| {
         (bueno_orovio_2008::identity(variant), bueno_orovio_2008::parameters(variant))
     }));
-    let method = Settings::of(Method::Adaptive);
+    let method = SolverSettings::of(CellMethod::Adaptive);
     let settings = BatchSettings { method, sample_interval_ms: None };
     let mut random = Random(1);
     let mut failed = 0;

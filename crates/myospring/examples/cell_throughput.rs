@@ -14,11 +14,11 @@
 #![allow(clippy::print_stdout, reason = "printing is what this program is for")]
 
 use myospring::cell::adaptive::{self, beats};
-use myospring::cell::batch::{self, BatchSettings, Beat, Paced};
+use myospring::cell::batch::{self, BatchSettings, CellBeat, Paced};
 use myospring::cell::bueno_orovio_2008::{self, Variant};
 use myospring::cell::minimal::{Identity, MinimalModel};
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{Method, Settings};
+use myospring::cell::solve::{CellMethod, SolverSettings};
 use myospring::cell::{CellModel, coelho_2021};
 use myospring::interruption::Interruption;
 use myospring::output::table::Table;
@@ -42,13 +42,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         let model = MinimalModel::new(*identity, parameters.clone())?;
         let (protocol, duration_ms) = train(&model, 2000);
         report("one cell", &model, 2000, || {
-            Ok(beats(&model, protocol, adaptive::Settings::default(), duration_ms)?)
+            Ok(beats(&model, protocol, adaptive::AdaptiveSettings::default(), duration_ms)?)
         })?;
     }
     for (identity, parameters) in &sets {
         let model = MinimalModel::new(*identity, parameters.clone())?;
         let cells = population(*identity, parameters)?;
-        let method = Settings::of(Method::Adaptive);
+        let method = SolverSettings::of(CellMethod::Adaptive);
         let settings = BatchSettings { method, sample_interval_ms: None };
         report("population", &model, 20 * cells.len(), || {
             let outcomes = batch::run(&cells, &settings)?;
@@ -59,7 +59,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let model = MinimalModel::new(*identity, parameters.clone())?;
         let (protocol, duration_ms) = train(&model, 5);
         // The published set, by the integrator of all.
-        let published = beats(&model, protocol, adaptive::Settings::default(), duration_ms)?;
+        let published =
+            beats(&model, protocol, adaptive::AdaptiveSettings::default(), duration_ms)?;
         report("study", &model, 20 * MEMBERS, || {
             study(model.name())?;
             Ok(published.clone())
@@ -123,7 +124,7 @@ fn report(
     kind: &str,
     model: &MinimalModel,
     cell_beats: usize,
-    work: impl Fn() -> Result<Vec<Beat>, Box<dyn Error>>,
+    work: impl Fn() -> Result<Vec<CellBeat>, Box<dyn Error>>,
 ) -> Result<(), Box<dyn Error>> {
     let (mut wall, mut processor, mut beats) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..3 {
@@ -142,7 +143,7 @@ fn report(
         "version": env!("CARGO_PKG_VERSION"),
         "beats": cell_beats,
         "states": 6,
-        "tolerance": adaptive::Settings::default().tolerance,
+        "tolerance": adaptive::AdaptiveSettings::default().tolerance,
         "cbps": rate(wall),
         "cbps_cpu": rate(processor),
         "tension_error_percent": tension,
@@ -153,7 +154,7 @@ fn report(
 }
 
 /// Largest errors of the first five beats: peak tension, per cent, and APD90, ms.
-fn errors(model: &str, beats: &[Beat]) -> Result<(f64, f64), Box<dyn Error>> {
+fn errors(model: &str, beats: &[CellBeat]) -> Result<(f64, f64), Box<dyn Error>> {
     let (mut tension, mut apd) = (0.0_f64, 0.0_f64);
     let rows = include_str!("../tests/reference/cell_converged.csv");
     let own = format!("{model},{CYCLE_MS},");

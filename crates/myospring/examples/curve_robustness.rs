@@ -7,7 +7,7 @@
 //! ```
 #![allow(clippy::print_stdout, reason = "it prints tables of curves of its own")]
 
-use myospring::analysis::curve::{Analysis, CurveBeat, Options, State, analyse};
+use myospring::analysis::curve::{Analysis, CurveBeat, CurveOptions, State, analyse};
 use myospring::analysis::kind::Kind;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -301,8 +301,8 @@ impl Recording {
     }
 
     fn judge(&self) -> Outcome {
-        let clean = analyse(&self.times, &self.clean, self.kind, "", &Options::default());
-        let found = analyse(&self.times, &self.values, self.kind, "", &Options::default());
+        let clean = analyse(&self.times, &self.clean, self.kind, "", &CurveOptions::default());
+        let found = analyse(&self.times, &self.values, self.kind, "", &CurveOptions::default());
         let listed_clean = clean
             .as_ref()
             .map_or(0, |clean| clean.treatment.artefacts.len() + clean.treatment.bad_frames.len());

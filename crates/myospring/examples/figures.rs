@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use myospring::mesh::pixel_size::PixelSize;
 use myospring::output::field::Fields;
 use myospring::output::figure::{
-    Cell, Contour, ContractionOptions, Figure, Overlay, Tick, action_potential_and_tension,
+    Contour, ContractionOptions, DrawnCell, Figure, Overlay, Tick, action_potential_and_tension,
     cell_shapes, contraction, key_shapes, mesh, overlay, overview,
 };
 use myospring::output::files;
@@ -31,7 +31,7 @@ fn main() -> Outcome {
     let beats = [30.0, 40.0, 50.0].map(|kpa| synthetic::recording(&long, along[0], kpa, false));
     let strongest = &beats[2];
     save(&folder, "action-potential", &action_potential_and_tension(strongest, &stimuli)?, 300.0)?;
-    let cell = Cell::new(Fields::new(&long, &along, None)?, None)?;
+    let cell = DrawnCell::new(Fields::new(&long, &along, None)?, None)?;
     save(&folder, "cell", &cell_shapes(&cell, &key_shapes(strongest, &stimuli))?, 300.0)?;
     let curves = [("30 kPa", &beats[0]), ("40 kPa", &beats[1]), ("50 kPa", &beats[2])];
     let plain = ContractionOptions::default();
@@ -46,7 +46,7 @@ fn main() -> Outcome {
 
     let (round, axis) = synthetic::roundish(2.0);
     let along = vec![axis; round.simplices.len()];
-    let cell = Cell::new(Fields::new(&round, &along, None)?, None)?;
+    let cell = DrawnCell::new(Fields::new(&round, &along, None)?, None)?;
     let beat = synthetic::recording(&round, axis, 50.0, true);
     let potential = action_potential_and_tension(&beat, &stimuli)?;
     save(&folder, "action-potential-mv", &potential, 300.0)?;

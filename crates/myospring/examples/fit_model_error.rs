@@ -5,7 +5,7 @@
 
 #![allow(clippy::print_stdout, reason = "a table for people")]
 
-use myospring::fit::{Fit, FitVerdict, Fitter, Observed, Scale, Settings, Stimuli};
+use myospring::fit::{Fit, FitSettings, FitVerdict, Fitter, Observed, Scale, Stimuli};
 use myospring::run_file::RunFile;
 use myospring::study::sampling::{Distribution, Sampler, sample};
 use rayon::prelude::*;
@@ -115,7 +115,7 @@ fn row(
                 unit: "um".to_owned(),
                 stimuli: Stimuli::Given(vec![50.0]),
             };
-            let fit = model.fit(&[observed], &Settings::default(), &|_| true).ok()??;
+            let fit = model.fit(&[observed], &FitSettings::default(), &|_| true).ok()??;
             let rate = model.simulation().cell.parameters().get("c_0").unwrap_or(f64::NAN);
             let truths =
                 [truth[0] * model.tension_over_stiffness(), truth[1] * rate, truth[2], LENGTH];

@@ -4,7 +4,7 @@
 
 #![allow(clippy::print_stdout, reason = "a table for people")]
 
-use myospring::fit::{Fitter, Observed, Scale, Settings, Stimuli, Unknown, Verdict};
+use myospring::fit::{FitSettings, Fitter, Observed, Scale, Stimuli, Unknown, Verdict};
 use myospring::run_file::RunFile;
 use myospring::study::sampling::{Distribution, Sampler, sample};
 use rayon::prelude::*;
@@ -84,9 +84,9 @@ fn row(
         11,
     )?;
     let begun = Instant::now();
-    let settings = Settings {
+    let settings = FitSettings {
         free: Some(names.iter().map(|name| Unknown::named(name)).collect()),
-        ..Settings::default()
+        ..FitSettings::default()
     };
     let found: Vec<Option<Found>> = (0..cells)
         .into_par_iter()

@@ -9,7 +9,7 @@
 
 #![allow(clippy::print_stdout, reason = "it prints tables")]
 
-use myospring::analysis::curve::{Options, analyse};
+use myospring::analysis::curve::{CurveOptions, analyse};
 use myospring::analysis::kind::Kind;
 use myospring::analysis::value;
 use std::f64::consts::{PI, TAU};
@@ -142,7 +142,7 @@ fn row(name: &str, scene: Scene) {
         let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
         let start = (0.3 + 0.5 * random.uniform()) * period;
         there += ((SECONDS * 1e3 - start - RISE) / period).floor() as usize + 1;
-        let options = Options::default();
+        let options = CurveOptions::default();
         let Ok(analysis) = analyse(&times, &values_over_time, Kind::Contraction, "a.u.", &options)
         else {
             continue;

@@ -13,22 +13,24 @@ mod synthetic_film;
 
 use myospring::mesh::lattice;
 use myospring::microscopy::film::Film;
-use myospring::microscopy::motion::{self, Cell, Motion, Rest, Settings};
+use myospring::microscopy::motion::{self, CellAtRest, CellMotion, Rest, TrackingSettings};
 use myospring::microscopy::picture::Selection;
 use std::time::Instant;
 use synthetic_film::{FilmScene, SARCOMERE_UM};
 
-fn follow(scene: &FilmScene, film: &Film, spacing: Option<f64>) -> Motion {
+fn follow(scene: &FilmScene, film: &Film, spacing: Option<f64>) -> CellMotion {
     let mask = scene.mask();
     let (mesh, _) = lattice::from_mask(&mask, spacing).unwrap();
     let inside = mask.inside();
     let pixel_size = mask.pixel_size();
-    let cell = Cell { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
-    motion::follow(film, Rest::at(film, 0).unwrap(), &cell, Settings::at(50.0), |_| true).unwrap()
+    let cell =
+        CellAtRest { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
+    motion::follow(film, Rest::at(film, 0).unwrap(), &cell, TrackingSettings::at(50.0), |_| true)
+        .unwrap()
 }
 
 /// Errors of all points in all frames, pixels, the least first.
-fn errors(scene: &FilmScene, motion: &Motion) -> Vec<f64> {
+fn errors(scene: &FilmScene, motion: &CellMotion) -> Vec<f64> {
     let mut errors = Vec::new();
     for frame in 0..motion.len() {
         for node in 0..motion.mesh.len() {
@@ -45,7 +47,7 @@ fn errors(scene: &FilmScene, motion: &Motion) -> Vec<f64> {
 }
 
 /// Largest difference of measured and true shortening, percentage points.
-fn shortening(scene: &FilmScene, motion: &Motion) -> f64 {
+fn shortening(scene: &FilmScene, motion: &CellMotion) -> f64 {
     let lengths = motion.lengths_um();
     let moved = |frame: usize| {
         let ways =
@@ -54,7 +56,7 @@ fn shortening(scene: &FilmScene, motion: &Motion) -> f64 {
         [0, 1].map(|axis: usize| ways.iter().map(|way| way[axis]).collect::<Vec<f64>>())
     };
     let displacements_um = motion.frames.iter().map(|&frame| moved(frame)).collect();
-    let truth = Motion { displacements_um, ..motion.clone() }.lengths_um();
+    let truth = CellMotion { displacements_um, ..motion.clone() }.lengths_um();
     let off = |frame: usize| 100.0 * (lengths[frame] / lengths[0] - truth[frame] / truth[0]).abs();
     (0..motion.len()).map(off).fold(0.0, f64::max)
 }

@@ -14,7 +14,7 @@
 )]
 
 use myospring::mesh::pixel_size::PixelSize;
-use myospring::microscopy::cells::{Options, PictureCells};
+use myospring::microscopy::cells::{PictureCells, PictureOptions};
 use myospring::microscopy::fibres::{FibreSettings, Stain};
 use myospring::microscopy::picture::Selection;
 use myospring::microscopy::plane::Plane;
@@ -59,7 +59,8 @@ fn row(folder: &Path, (picture, mask, pixel): (&str, Option<&str>, Option<f64>))
     let pixel_size = pixel.map(|pixel| PixelSize::new(pixel).unwrap());
     peak_megabytes();
     let start = Instant::now();
-    let cells = PictureCells::find(&bytes, &Options { pixel_size, ..Options::default() });
+    let cells =
+        PictureCells::find(&bytes, &PictureOptions { pixel_size, ..PictureOptions::default() });
     let seconds = start.elapsed().as_secs_f64();
     let memory = peak_megabytes().map_or(String::new(), |memory| format!("{memory:.0}"));
     let cells = match cells {

@@ -14,7 +14,7 @@
 mod synthetic_cell;
 
 use myospring::mesh::pixel_size::PixelSize;
-use myospring::microscopy::segment::{Choice, Settings, segment};
+use myospring::microscopy::segment::{Choice, SegmentationSettings, segment};
 use std::sync::Mutex;
 use synthetic_cell::{Scene, Truth};
 
@@ -38,7 +38,7 @@ fn worst(scene: Scene, draw: Draw) -> String {
         let Ok(pixel) = PixelSize::new(scene.pixel_um) else {
             return "none".to_owned();
         };
-        let found = segment(&truth.plane, pixel, &Settings::default());
+        let found = segment(&truth.plane, pixel, &SegmentationSettings::default());
         let Ok(found) = found else {
             return "none".to_owned();
         };

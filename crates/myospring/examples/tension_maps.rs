@@ -15,7 +15,7 @@ mod synthetic_film;
 use myospring::mechanics::support::SupportKind;
 use myospring::microscopy::outlines::trace::{Edge, trace_mask};
 use myospring::output::field::Fields;
-use myospring::output::figure::{self, Cell, Map};
+use myospring::output::figure::{self, DrawnCell, Map};
 use myospring::output::files;
 use myospring::tension_map::{ObservedPeak, TensionMap};
 use pulled_film::{Pulled, even, passive_nucleus, weak_half};
@@ -124,7 +124,7 @@ fn draw(path: &std::path::Path) {
         one("How sure that is", &map.deviations_kpa, "Standard deviation (kPa)", None),
     ];
     let outline = trace_mask(&pulled.scene.mask(), Edge::Smooth).unwrap();
-    let cell = Cell::new(fields.clone(), Some(&outline)).unwrap();
+    let cell = DrawnCell::new(fields.clone(), Some(&outline)).unwrap();
     let figure = figure::maps(&cell, &maps, Some(map.resolution_um())).unwrap();
     files::write(path, figure.to_png(200.0).unwrap()).unwrap();
 }

@@ -12,7 +12,7 @@ use myospring::cell::CellModel;
 use myospring::cell::batch::{self, BatchSettings, Paced};
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{Method, Settings, SolveError};
+use myospring::cell::solve::{CellMethod, SolveError, SolverSettings};
 use myospring::cell::tomek_2019::{Layer, TomekModel, Variant, parameters};
 use std::error::Error;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         paced(&endo, tolerance, BEATS)?.advance_to(CYCLE_MS * f64::from(BEATS), 1.0, 0.0)?;
         report("one cell", tolerance, f64::from(BEATS) / (now() - start), errors);
         let cells = population()?;
-        let method = Settings { tolerance, ..Settings::of(Method::Stiff) };
+        let method = SolverSettings { tolerance, ..SolverSettings::of(CellMethod::Stiff) };
         let settings = BatchSettings { method, sample_interval_ms: Some(SAMPLED_MS) };
         let start = now();
         for outcome in batch::run(&cells, &settings)? {
@@ -61,7 +61,7 @@ fn paced(
     let stimulus = model.default_stimulus();
     let protocol =
         Protocol { start_ms: 0.0, cycle_length_ms: CYCLE_MS, beats, ..Protocol::once(stimulus) };
-    let settings = Settings { tolerance, ..Settings::of(Method::Stiff) };
+    let settings = SolverSettings { tolerance, ..SolverSettings::of(CellMethod::Stiff) };
     CellIntegrator::new(Arc::clone(model), protocol, settings)
 }
 

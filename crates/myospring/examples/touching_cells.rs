@@ -16,7 +16,7 @@ mod synthetic_cell;
 mod touching_cells;
 
 use myospring::mesh::pixel_size::PixelSize;
-use myospring::microscopy::segment::{Modality, Segmentation, Settings, segment};
+use myospring::microscopy::segment::{Modality, Segmentation, SegmentationSettings, segment};
 use synthetic_cell::Scene;
 use touching_cells::{Body, Look, brightfield, one, pairs, singles};
 
@@ -40,7 +40,7 @@ fn shares(modality: Modality, start: Scene, bodies: &[Body], look: &Look) -> Str
                 Modality::Brightfield => brightfield(&scene, bodies),
                 _ => look.fluorescence(&scene, bodies),
             };
-            let settings = Settings { modality, ..Settings::default() };
+            let settings = SegmentationSettings { modality, ..SegmentationSettings::default() };
             let found = segment(&truth.plane, PixelSize::new(pixel_um).unwrap(), &settings);
             all += 1;
             let Ok(found) = found else { continue };

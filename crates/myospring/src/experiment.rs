@@ -30,7 +30,7 @@ pub mod tables;
 pub mod tension_map;
 pub mod track;
 
-pub use beats::Beats;
+pub use beats::BeatOptions;
 pub use error::{ExperimentError, Passage};
 pub use files::Files;
 pub use folder::{Draw, Folder};

@@ -16,7 +16,7 @@
 //!
 //! # Example
 //! ```
-//! use myospring::fit::{Fitter, Observed, Scale, Settings, Stimuli};
+//! use myospring::fit::{Fitter, Observed, Scale, FitSettings, Stimuli};
 //! use myospring::run_file::RunFile;
 //!
 //! let run = RunFile::default().resolve()?;
@@ -26,7 +26,7 @@
 //! let values = fitter.curve(&[("tension_over_stiffness", 0.8), ("c_0", 1.1)], 100.0, &times_ms)?;
 //! let stimuli = Stimuli::Given(vec![50.0]);
 //! let observed = Observed { name: "cell".into(), times_ms, values, scale: Scale::Length, unit: "um".into(), stimuli };
-//! let fit = fitter.fit(&[observed], &Settings::default(), &|_done| true)?.ok_or("it was stopped")?;
+//! let fit = fitter.fit(&[observed], &FitSettings::default(), &|_done| true)?.ok_or("it was stopped")?;
 //! let tension = fit.estimate("tension_over_stiffness").ok_or("it was sought")?;
 //! assert!((tension.value / (0.8 * fitter.tension_over_stiffness()) - 1.0).abs() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -58,5 +58,5 @@ pub use choice::of_each_cell;
 pub use error::FitError;
 pub use fitter::{Fitter, Loaded};
 pub use observed::{Observed, Scale, Stimuli};
-pub use settings::{Settings, Sought};
+pub use settings::{FitSettings, Sought};
 pub use unknown::Unknown;

@@ -35,7 +35,7 @@ pub use crate::analysis::kind::Kind;
 pub use curve::{Curve, Table};
 pub use decode::decoded;
 pub use error::ReadError;
-pub use options::{Column, Layout, Options};
+pub use options::{Column, Layout, TableOptions};
 pub(crate) use pick::listed;
 use std::path::Path;
 
@@ -45,7 +45,7 @@ use std::path::Path;
 /// A file that cannot be read, is not text, or has no curve; a field that is not a number; times
 /// that do not increase; neither times nor a frame rate, or both if they contradict each other. The
 /// message has file, line, column, value and how to correct it.
-pub fn read(path: &Path, options: &Options) -> Result<Table, ReadError> {
+pub fn read(path: &Path, options: &TableOptions) -> Result<Table, ReadError> {
     let name = path.display().to_string();
     let bytes =
         std::fs::read(path).map_err(|cause| ReadError::Read { path: name.clone(), cause })?;
@@ -60,15 +60,15 @@ pub fn read(path: &Path, options: &Options) -> Result<Table, ReadError> {
 ///
 /// # Example
 /// ```
-/// use myospring::measured::{Kind, Options, read_bytes};
+/// use myospring::measured::{Kind, TableOptions, read_bytes};
 /// let file = "Zeit (s);Länge (µm)\n0,00;120,5\n0,01;118,2\n0,02;115,0\n";
-/// let table = read_bytes("cell.csv", file.as_bytes(), &Options::default())?;
+/// let table = read_bytes("cell.csv", file.as_bytes(), &TableOptions::default())?;
 /// let curve = &table.curves[0];
 /// assert_eq!((curve.kind, curve.unit), (Kind::Length, "um"));
 /// assert_eq!(curve.times_ms, [0.0, 10.0, 20.0]);
 /// assert_eq!(curve.values, [120.5, 118.2, 115.0]);
 /// # Ok::<(), myospring::measured::ReadError>(())
 /// ```
-pub fn read_bytes(path: &str, bytes: &[u8], options: &Options) -> Result<Table, ReadError> {
+pub fn read_bytes(path: &str, bytes: &[u8], options: &TableOptions) -> Result<Table, ReadError> {
     pick::table(path, bytes, options)
 }

@@ -35,7 +35,7 @@ mod schema;
 mod template;
 
 pub use crate::settings::{
-    Fibre, PictureSource, Problem, Run, Shape, ShapeBytes, ShapeError, Shaped, Source,
+    FibreDirection, PictureSource, Problem, Run, Shape, ShapeBytes, ShapeError, Shaped, Source,
 };
 pub use error::{Origin, RunFileError};
 pub use file::RunFile;

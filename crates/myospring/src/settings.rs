@@ -40,15 +40,15 @@ mod words;
 pub use bounds::{Bounds, Whole};
 pub use calcium::{CALCIUM_ENDINGS, CalciumError, Calibration};
 pub use content::{CONTENT_ENDINGS, ContentError};
-pub use fibres::{Asked, Fibre, FibreReport, Fibres, NotRead, Seen, SeenReport};
+pub use fibres::{Asked, FibreDirection, FibreReport, Fibres, NotRead, PictureFibres, SeenReport};
 pub use models::Models;
-pub use number::{Number, NumberError};
+pub use number::{NumberError, NumericSetting};
 pub use places::{FromPlaces, PlacesError};
 pub use problem::{Failure, Problem};
 pub use rows::Table;
-pub use run::{Made, MakeError, Places, Run};
+pub use run::{MakeError, MeshedRun, Places, Run};
 pub use sarcomeres::{SARCOMERE_ENDINGS, SarcomereError};
-pub use setting::{CommandOption, Get, Kind, Named, Set, Setting};
+pub use setting::{CommandOption, Get, Named, Set, Setting, ValueKind};
 pub use shape::{
     OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source,
 };
@@ -128,7 +128,7 @@ mod tests {
                 }
                 // Who knows the key knows the option.
                 assert_eq!(option.name, format!("--{}", setting.name().replace('_', "-")));
-                assert_eq!(option.value.is_empty(), matches!(setting.kind, Kind::Flag { .. }));
+                assert_eq!(option.value.is_empty(), matches!(setting.kind, ValueKind::Flag { .. }));
             }
         }
         assert!(keys.len() > 50);
@@ -180,7 +180,7 @@ mod tests {
         ) {
             for setting in table() {
                 match setting.kind {
-                    Kind::Quantity { bounds, .. } => {
+                    ValueKind::Quantity { bounds, .. } => {
                         let Bounds { dimension, minimum, maximum, .. } = bounds;
                         let number = minimum * (1.0 - share) + maximum * share;
                         let value = bounds.write(number);
@@ -198,7 +198,7 @@ mod tests {
                             }
                         }
                     }
-                    Kind::Whole { bounds: Whole { minimum, maximum, .. }, .. } => {
+                    ValueKind::Whole { bounds: Whole { minimum, maximum, .. }, .. } => {
                         let [low, high] = [minimum, maximum].map(i64::from);
                         let number = low + ((high - low) as f64 * share) as i64;
                         let value = Value::Whole(number);

@@ -5,21 +5,21 @@
 mod own_model;
 
 use myospring::cell::adaptive::{self, beats};
-use myospring::cell::batch::Beat;
+use myospring::cell::batch::CellBeat;
 use myospring::cell::bueno_orovio_2008::{self, Variant};
 use myospring::cell::minimal::MinimalModel;
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{Method, Settings};
+use myospring::cell::solve::{CellMethod, SolverSettings};
 use myospring::cell::{CellModel, coelho_2021};
 use myospring::microscopy::cells::{PictureCell, PictureCells};
 use myospring::output::files::{Manifest, Reads};
 use myospring::output::table::{Column, Table};
 use myospring::run_file::Reader;
 use myospring::study::cells::{self, BeatRow, PacedCell};
-use myospring::study::pictures::{self, CellRow, Picture, Which, read_table};
+use myospring::study::pictures::{self, CellRow, ChosenCell, Picture, read_table};
 use myospring::study::{
-    self, Cause, Interrupted, Journal, Member, Observer, Report, Row, Status, StudyError, Threads,
-    sha256,
+    self, Cause, Interrupted, Journal, Member, Row, Status, StudyError, StudyObserver, StudyReport,
+    Threads, sha256,
 };
 use serde::{Deserialize, Serialize};
 use std::any::Any;
@@ -100,7 +100,7 @@ impl StopAfter {
     }
 }
 
-impl<M: Member> Observer<M> for StopAfter {
+impl<M: Member> StudyObserver<M> for StopAfter {
     fn finished(&self, _: &M, _: &[M::Row]) -> bool {
         self.seen.fetch_add(1, Ordering::Relaxed) + 1 < self.members
     }
@@ -114,8 +114,8 @@ impl<M: Member> Observer<M> for StopAfter {
 fn squares(
     numbers: &[Number],
     journal: &Journal<Number>,
-    observer: &impl Observer<Number>,
-) -> Report<Square> {
+    observer: &impl StudyObserver<Number>,
+) -> StudyReport<Square> {
     study::run(numbers, journal, &threads(1), observer, square).unwrap()
 }
 
@@ -271,7 +271,7 @@ fn whatever_goes_wrong_with_a_member_is_a_row_in_its_place() {
 #[test]
 fn what_whoever_watches_says_ends_the_study() {
     struct NoTable;
-    impl Observer<Number> for NoTable {
+    impl StudyObserver<Number> for NoTable {
         fn table(&self, _: &[Square]) -> Result<(), Cause> {
             Err("the disk is full".into())
         }
@@ -320,7 +320,7 @@ fn paced_cells(count: u32) -> Vec<PacedCell> {
 #[test]
 fn cells_side_by_side_have_the_bits_of_each_alone_also_from_the_journal() {
     let folder = tempfile::tempdir().unwrap();
-    let (paced, method) = (paced_cells(37), Settings::of(Method::Adaptive));
+    let (paced, method) = (paced_cells(37), SolverSettings::of(CellMethod::Adaptive));
     let run = |cells: &[PacedCell], observer: &StopAfter| {
         let journal = Journal::open(folder.path(), &cells::settings(method)).unwrap();
         cells::run(cells, method, &journal, &threads(2), observer).unwrap()
@@ -331,7 +331,7 @@ fn cells_side_by_side_have_the_bits_of_each_alone_also_from_the_journal() {
     assert_eq!(report.resumed, 5);
     let mut rows = report.rows.iter();
     for cell in &paced {
-        let own = adaptive::Settings { tolerance: method.tolerance };
+        let own = adaptive::AdaptiveSettings { tolerance: method.tolerance };
         let model: &dyn Any = &*cell.model;
         let model: &MinimalModel = model.downcast_ref().unwrap();
         let alone = beats(model, cell.protocol, own, cell.duration_ms).unwrap();
@@ -353,9 +353,14 @@ fn cells_side_by_side_have_the_bits_of_each_alone_also_from_the_journal() {
     assert_eq!(run(&paced, &StopAfter::new(usize::MAX)).resumed, 37);
 }
 
-fn bits(beat: &Beat) -> [Option<u64>; 6] {
-    let Beat {
-        stimulus_ms, resting_potential, peak_potential, peak_tension, peak_tension_ms, ..
+fn bits(beat: &CellBeat) -> [Option<u64>; 6] {
+    let CellBeat {
+        stimulus_ms,
+        resting_potential,
+        peak_potential,
+        peak_tension,
+        peak_tension_ms,
+        ..
     } = *beat;
     let numbers = [stimulus_ms, resting_potential, peak_potential, peak_tension, peak_tension_ms];
     let [a, b, c, d, e] = numbers.map(|number| Some(number.to_bits()));
@@ -364,7 +369,7 @@ fn bits(beat: &Beat) -> [Option<u64>; 6] {
 
 #[test]
 fn a_cell_that_cannot_be_followed_fails_in_its_place_and_a_changed_one_has_another_key() {
-    let (mut paced, method) = (paced_cells(4), Settings::of(Method::Adaptive));
+    let (mut paced, method) = (paced_cells(4), SolverSettings::of(CellMethod::Adaptive));
     let keys: Vec<String> = paced.iter().filter_map(Member::key).collect();
     paced[1].duration_ms = f64::NAN;
     paced[3].protocol.start_ms += 1e-9;
@@ -381,7 +386,7 @@ fn a_cell_that_cannot_be_followed_fails_in_its_place_and_a_changed_one_has_anoth
     assert!(table.starts_with("cell,status,reason,beat,stimulus_ms,"), "{table}");
     assert_eq!(table.lines().count(), 1 + report.rows.len());
 
-    let impossible = Settings { tolerance: 1.0, ..method };
+    let impossible = SolverSettings { tolerance: 1.0, ..method };
     let refused = cells::run(&paced, impossible, &journal, &threads(1), &());
     assert!(matches!(refused, Err(StudyError::Cells(_))));
 }
@@ -399,7 +404,7 @@ fn picture(file: &Path, middle: f64) {
     png::Encoder::new(file, 240, 120).write_header().unwrap().write_image_data(&pixels).unwrap();
 }
 
-fn beaten(folder: &Path, which: Which, journal: &Journal<Picture>) -> Report<CellRow> {
+fn beaten(folder: &Path, which: ChosenCell, journal: &Journal<Picture>) -> StudyReport<CellRow> {
     let names = ["whole.png", "cut.png", "missing.png"];
     let members =
         names.map(|name| Picture::new(name.to_owned(), folder.join("pictures").join(name)));
@@ -420,7 +425,7 @@ fn each_picture_gives_its_cell_or_the_reason_why_not() {
     picture(&folder.path().join("pictures/whole.png"), 120.0);
     picture(&folder.path().join("pictures/cut.png"), 10.0);
     let open = || Journal::open(&folder.path().join("results"), "").unwrap();
-    let report = beaten(folder.path(), Which::Every, &open());
+    let report = beaten(folder.path(), ChosenCell::Every, &open());
     let statuses: Vec<Status> = report.rows.iter().map(|row| row.status).collect();
     assert_eq!(statuses, [Status::Ok, Status::LeftOut, Status::Failed, Status::Failed]);
     let [whole, cut, none_left, missing] = report.rows.as_slice() else { panic!("four rows") };
@@ -436,13 +441,13 @@ fn each_picture_gives_its_cell_or_the_reason_why_not() {
     // A picture that is there at last and one that has changed are done, the other is not touched.
     picture(&folder.path().join("pictures/missing.png"), 120.0);
     picture(&folder.path().join("pictures/cut.png"), 121.0);
-    let again = beaten(folder.path(), Which::Every, &open());
+    let again = beaten(folder.path(), ChosenCell::Every, &open());
     assert_eq!((again.resumed, again.count(Status::Ok)), (1, 3));
     assert_eq!(again.rows[0], *whole);
 
     // Asked for by itself, a cell is not left out; that the frame cuts it is an error of the picture.
     picture(&folder.path().join("pictures/cut.png"), 10.0);
-    let chosen = beaten(folder.path(), Which::Chosen, &Journal::in_memory());
+    let chosen = beaten(folder.path(), ChosenCell::Chosen, &Journal::in_memory());
     assert_eq!((chosen.count(Status::Ok), chosen.count(Status::Failed)), (2, 1));
 }
 
@@ -584,22 +589,22 @@ fn debris_is_left_out_of_a_table_unless_it_is_pointed_at_and_every_picture_is_sh
     let reasons = |rows: &[CellRow]| -> Vec<(Status, String)> {
         rows.iter().map(|row| (row.status, row.reason.clone())).collect()
     };
-    let all = reasons(&rows("dish.png", Which::Every, ""));
+    let all = reasons(&rows("dish.png", ChosenCell::Every, ""));
     assert_eq!(all.len(), 3);
     assert!(all[0].0 == Status::LeftOut && all[0].1.contains("24150 um^2 is above 20000 um^2"));
     assert_eq!(all[1], (Status::Ok, String::new()));
     assert!(all[2].0 == Status::LeftOut && all[2].1.contains("200 um^2 is below 500 um^2"));
 
     // The largest is nobody's choice; the bounds are the user's, and so is a label.
-    let largest = reasons(&rows("dish.png", Which::Chosen, ""));
+    let largest = reasons(&rows("dish.png", ChosenCell::Chosen, ""));
     assert_eq!((largest[0].0, largest[1].0), (Status::LeftOut, Status::Failed), "{largest:?}");
-    let lower = rows("dish.png", Which::Every, "segmentation.min_area = \"150 um^2\"");
+    let lower = rows("dish.png", ChosenCell::Every, "segmentation.min_area = \"150 um^2\"");
     assert_eq!((lower[1].status, lower[2].status), (Status::Ok, Status::Ok));
-    let speck = rows("dish.png", Which::Chosen, "shape.label = 2");
+    let speck = rows("dish.png", ChosenCell::Chosen, "shape.label = 2");
     assert_eq!((speck.len(), speck[0].status), (1, Status::Ok));
     assert!(speck[0].warnings.contains("200 um^2 is below 500 um^2"), "{}", speck[0].warnings);
 
-    let nothing = rows("grains.png", Which::Every, "segmentation.modality = \"fluorescence\"");
+    let nothing = rows("grains.png", ChosenCell::Every, "segmentation.modality = \"fluorescence\"");
     assert_eq!((nothing.len(), nothing[0].status), (1, Status::Failed));
     let shown = shown.0.into_inner().unwrap();
     assert_eq!(shown.len(), 5);

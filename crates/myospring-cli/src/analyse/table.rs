@@ -2,9 +2,9 @@
 
 use crate::args::{StimulusArgs, TableArgs};
 use crate::failure::Failure;
-use myospring::experiment::Beats;
-use myospring::measured::{Column, Kind, Layout, Options as Table};
-use myospring::microscopy::motion::Settings;
+use myospring::experiment::BeatOptions;
+use myospring::measured::{Column, Kind, Layout, TableOptions as Table};
+use myospring::microscopy::motion::TrackingSettings;
 use myospring::units::{self, Dimension};
 
 /// How tables are read; `until` is where the part that counts ends.
@@ -60,7 +60,7 @@ pub(crate) fn options(
 
 /// `250`, `250 /s`, `250 Hz`, `250 fps`, frames a second.
 pub(crate) fn frame_rate(text: &str) -> Result<f64, Failure> {
-    const MOST: f64 = Settings::HIGHEST_FRAME_RATE;
+    const MOST: f64 = TrackingSettings::HIGHEST_FRAME_RATE;
     let number = text.trim().parse::<f64>();
     // 1/ms to 1/s
     let rate = number.or_else(|_| units::parse(text, Dimension::Rate).map(|rate| 1e3 * rate));
@@ -92,7 +92,7 @@ pub(crate) fn beats(
     stimuli: &StimulusArgs,
     smooth: Option<&str>,
     keep_drift: bool,
-) -> Result<Beats, Failure> {
+) -> Result<BeatOptions, Failure> {
     let of =
         |option: &'static str, text: Option<&str>| text.map(|text| time(option, text)).transpose();
     let has_unit = |text: &String| text.trim().parse::<f64>().is_err();
@@ -105,7 +105,7 @@ pub(crate) fn beats(
         .advise("write each with its unit, decimals with a point: \"100 ms, 1.1 s\""));
     }
     let times = stimuli.stimulus_times.iter().map(|text| time("--stimulus-times", text));
-    let beats = Beats {
+    let beats = BeatOptions {
         stimuli_ms: times.collect::<Result<_, _>>()?,
         period_ms: of("--stimulus-period", stimuli.stimulus_period.as_deref())?,
         start_ms: of("--stimulus-start", stimuli.stimulus_start.as_deref())?,

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::print;
 use crate::table::aligned;
 use myospring::experiment::Inputs;
-use myospring::experiment::run::{self, Output, Prepared, resolved};
+use myospring::experiment::run::{self, Output, PreparedRun, resolved};
 use myospring::mesh::quality::MeshReport;
 use myospring::output::json;
 use myospring::settings::{FibreReport, Run};
@@ -35,14 +35,14 @@ struct Plan<'a> {
 pub(super) fn plan(
     args: &RunArgs,
     outputs: &[&Output],
-    prepared: &Prepared,
+    prepared: &PreparedRun,
     target: &Path,
 ) -> Result<(), Failure> {
     let (run, made) = (&prepared.run, &prepared.made);
     let (simulation, report) = (&made.simulation, &made.report);
     let of_picture = made.picture.is_some().then(|| made.fibres.report());
     let fibres = of_picture.as_ref();
-    let run::Plan { effort, spring_updates, estimated_s } = prepared.plan();
+    let run::RunPlan { effort, spring_updates, estimated_s } = prepared.plan();
     if let Ready::AlongPath(path) = &prepared.ready
         && let Some(end) = path.end()
     {

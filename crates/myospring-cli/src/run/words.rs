@@ -3,7 +3,7 @@
 use crate::table::{aligned, number};
 use myospring::analysis::Metric;
 use myospring::analysis::beat::{Beat, band};
-use myospring::experiment::run::{Numbers, WrittenOutputs};
+use myospring::experiment::run::{RunNumbers, WrittenOutputs};
 use myospring::output::report::Summary;
 use myospring::settings::Run;
 use myospring::simulation::Effort;
@@ -62,7 +62,7 @@ impl Columns {
 }
 
 /// The table after a run; of several beats, mean and standard deviation, beside them an extra stimulus.
-pub(super) fn for_people(name: &str, run: &Run, numbers: &Numbers<'_>) -> String {
+pub(super) fn for_people(name: &str, run: &Run, numbers: &RunNumbers<'_>) -> String {
     let summary = numbers.summary;
     let mut text = title(name, run, summary);
     let Some(first) = summary.usual() else {

@@ -1,13 +1,13 @@
 //! What was found in a picture, for people.
 
-use myospring::experiment::segment::{FrameFibres, FrameReport, LatticeReport, Report};
+use myospring::experiment::segment::{FrameFibres, FrameReport, LatticeReport, SegmentReport};
 use myospring::microscopy::cells::PictureCells;
 
 /// Contrasts above this have no noise to be told of.
 const NOISELESS: f64 = 1000.0;
 
 /// The cells of a picture.
-pub(super) fn for_people(report: &Report<'_>, cells: &PictureCells) -> String {
+pub(super) fn for_people(report: &SegmentReport<'_>, cells: &PictureCells) -> String {
     let mut parts = vec![format!("{}: {}", report.picture, cells.method())];
     for cell in &report.cells {
         let contrast = match cell.confidence.contrast {

@@ -31,7 +31,7 @@ pub struct Band {
 /// Position of a value relative to a band.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Place {
+pub enum BandPosition {
     /// Lower than its lower end.
     Below,
     /// Between its ends.
@@ -40,7 +40,7 @@ pub enum Place {
     Above,
 }
 
-impl Place {
+impl BandPosition {
     /// In words: `in`, `out, above`.
     pub fn words(self) -> &'static str {
         match self {
@@ -59,16 +59,16 @@ impl Band {
     ///
     /// # Example
     /// ```
-    /// use myospring::analysis::beat::{Place, band};
+    /// use myospring::analysis::beat::{BandPosition, band};
     /// let shortening = band("peak_shortening").unwrap();
     /// assert_eq!([6.9, 9.0, 12.01, 12.1].map(|value| shortening.place(value)),
-    ///     [Place::Below, Place::In, Place::In, Place::Above]);
+    ///     [BandPosition::Below, BandPosition::In, BandPosition::In, BandPosition::Above]);
     /// ```
-    pub fn place(&self, value: f64) -> Place {
+    pub fn place(&self, value: f64) -> BandPosition {
         match value {
-            _ if value < self.low - END * self.low.abs() => Place::Below,
-            _ if value > self.high + END * self.high.abs() => Place::Above,
-            _ => Place::In,
+            _ if value < self.low - END * self.low.abs() => BandPosition::Below,
+            _ if value > self.high + END * self.high.abs() => BandPosition::Above,
+            _ => BandPosition::In,
         }
     }
 }

@@ -23,7 +23,7 @@ pub fn least_height(unit: &str) -> f64 {
 
 /// The potential around one stimulus, in any unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Response {
+pub struct StimulusResponse {
     /// Potential at rest before the stimulus.
     pub rest: f64,
     /// Potential at the stimulus.
@@ -34,7 +34,7 @@ pub struct Response {
     pub seen: bool,
 }
 
-impl Response {
+impl StimulusResponse {
     /// Whether this stimulus raised an action potential, given rest and peak of the last one;
     /// `None` if too little was recorded to decide.
     pub fn after(&self, rest: f64, peak: f64) -> Option<bool> {
@@ -49,13 +49,13 @@ impl Response {
 ///
 /// # Example
 /// ```
-/// use myospring::analysis::capture::{Response, captures};
-/// let response = |met, peak| Response { rest: met, met, peak, seen: true };
+/// use myospring::analysis::capture::{StimulusResponse, captures};
+/// let response = |met, peak| StimulusResponse { rest: met, met, peak, seen: true };
 /// // The second stimulus meets the plateau, the third a cell at rest.
 /// let series = [response(-85.0, 35.0), response(10.0, 20.0), response(-84.0, 30.0)];
 /// assert_eq!(captures(&series, 50.0), [Some(true), Some(false), Some(true)]);
 /// ```
-pub fn captures(responses: &[Response], least: f64) -> Vec<Option<bool>> {
+pub fn captures(responses: &[StimulusResponse], least: f64) -> Vec<Option<bool>> {
     // The lowest rest and the last peak of captured stimuli; at short cycles, each rest is above
     // the previous one.
     let mut last: Option<(f64, f64)> = None;
@@ -89,7 +89,7 @@ pub fn of(times: &[f64], potential: &[f64], unit: &str, stimuli_ms: &[f64]) -> V
         let after = potential.get(first..end).filter(|after| !after.is_empty());
         let begin = potential.get(first).copied().unwrap_or(f64::NAN);
         let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
-        Response {
+        StimulusResponse {
             rest: before.map_or(begin, mean),
             met: before.and_then(|before| before.last().copied()).unwrap_or(begin),
             peak: after
@@ -97,7 +97,7 @@ pub fn of(times: &[f64], potential: &[f64], unit: &str, stimuli_ms: &[f64]) -> V
             seen: reaches(times, stimulus_ms),
         }
     };
-    let responses: Vec<Response> = stimuli_ms.iter().enumerate().map(response).collect();
+    let responses: Vec<StimulusResponse> = stimuli_ms.iter().enumerate().map(response).collect();
     captures(&responses, least_height(unit))
 }
 

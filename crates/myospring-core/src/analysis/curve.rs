@@ -63,7 +63,7 @@ const REST_TO: f64 = 0.002;
 
 /// Options of the analysis.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Options {
+pub struct CurveOptions {
     /// Stimulus times, ms on the clock of the curve; without any, beats are searched everywhere.
     pub stimuli_ms: Vec<f64>,
     /// Half of the smoothing window, ms; `None` chooses it by the noise, 0 disables smoothing.
@@ -81,7 +81,7 @@ pub struct Options {
 ///
 /// # Example
 /// ```
-/// use myospring::analysis::curve::{Options, analyse};
+/// use myospring::analysis::curve::{CurveOptions, analyse};
 /// use myospring::analysis::kind::Kind;
 /// // 120 um, shorter by a tenth each second, in half sines of 300 ms.
 /// let times: Vec<f64> = (0..1000).map(|i| 4.0 * f64::from(i)).collect();
@@ -92,7 +92,7 @@ pub struct Options {
 ///         120.0 - if t < 300.0 { 12.0 * (std::f64::consts::PI * t / 300.0).sin() } else { 0.0 }
 ///     })
 ///     .collect();
-/// let analysis = analyse(&times, &length, Kind::Length, "um", &Options::default())?;
+/// let analysis = analyse(&times, &length, Kind::Length, "um", &CurveOptions::default())?;
 /// assert_eq!(analysis.beats.len(), 4);
 /// assert!((analysis.mean("peak_shortening").unwrap() - 10.0).abs() < 0.01); // %
 /// assert!((analysis.mean("interval").unwrap() - 1000.0).abs() < 0.1); // ms
@@ -103,7 +103,7 @@ pub fn analyse(
     values: &[f64],
     kind: Kind,
     unit: &'static str,
-    options: &Options,
+    options: &CurveOptions,
 ) -> Result<Analysis, CurveError> {
     check(times, values)?;
     possible::check_values(values, kind, unit)?;
@@ -359,7 +359,7 @@ fn half_window(
     signal: &[f64],
     found: &detect::Found,
     noise: Noise,
-    options: &Options,
+    options: &CurveOptions,
 ) -> usize {
     let step = median_step(times);
     if let Some(half_ms) = options.smoothing_ms {
@@ -385,7 +385,7 @@ fn half_of_slopes(
     signal: &[f64],
     found: &detect::Found,
     noise: Noise,
-    options: &Options,
+    options: &CurveOptions,
 ) -> usize {
     if noise.sd <= SMOOTH_TO * SMOOTH_TO * found.usual || options.smoothing_ms == Some(0.0) {
         return 0;

@@ -4,7 +4,7 @@
 //! before the last S1, and the remainder of S1 at S2 does not belong to the beat of S2: that begins
 //! where its largest rise begins.
 
-use super::capture::{self, Response};
+use super::capture::{self, StimulusResponse};
 use super::rows::{recorded, row};
 use super::{Metric, Missing, action_potential, rest, trace, value};
 use std::ops::Range;
@@ -77,7 +77,7 @@ impl S1S2 {
     /// peak is above 80 % of that of the last S1. `None` if too little was recorded to decide.
     pub fn captured(&self, times: &[f64], potential: &[f64]) -> Option<bool> {
         let rest = self.rest(potential);
-        let response = Response {
+        let response = StimulusResponse {
             rest,
             met: potential[self.second.start - 1],
             peak: most(&potential[self.second.clone()]),

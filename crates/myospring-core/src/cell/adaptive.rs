@@ -33,12 +33,12 @@
 //!
 //! # Example
 //! ```
-//! use myospring::cell::adaptive::{Settings, beats};
+//! use myospring::cell::adaptive::{AdaptiveSettings, beats};
 //! use myospring::cell::{CellModel, bueno_orovio_2008, pacing::Protocol};
 //!
 //! let epi = bueno_orovio_2008::model(bueno_orovio_2008::Variant::Epi);
 //! let train = Protocol { beats: 5, ..Protocol::once(epi.default_stimulus()) }; // each 1000 ms
-//! let beats = beats(&epi, train, Settings::default(), 5000.0)?;
+//! let beats = beats(&epi, train, AdaptiveSettings::default(), 5000.0)?;
 //! assert!((beats[4].apd90_ms.unwrap() - 269.77).abs() < 0.1);
 //! # Ok::<(), myospring::cell::solve::SolveError>(())
 //! ```
@@ -53,7 +53,7 @@ use branch::Pieces;
 pub(super) use course::{Course, Stuck, Task};
 pub(super) use lanes::Lanes;
 
-use super::beat::Beat;
+use super::beat::CellBeat;
 use super::cell_model::{Adaptive, AdaptiveSteps, CellModel as _};
 use super::minimal::{MinimalModel, STATES};
 use super::pacing::{Protocol, same_instant};
@@ -64,25 +64,25 @@ use super::upstroke::Upstroke;
 
 /// Numerical settings of the adaptive method.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
+pub struct AdaptiveSettings {
     /// Largest error of a step over the size of each variable, dimensionless; default 1e-5.
     pub tolerance: f64,
 }
 
-impl Default for Settings {
+impl Default for AdaptiveSettings {
     fn default() -> Self {
         Self { tolerance: 1e-5 }
     }
 }
 
-impl Settings {
+impl AdaptiveSettings {
     /// Checks the tolerance.
     ///
     /// # Errors
-    /// A tolerance outside [`settings::Settings::TOLERANCES`].
+    /// A tolerance outside [`settings::SolverSettings::TOLERANCES`].
     pub fn validate(&self) -> Result<(), SolveError> {
         let Self { tolerance } = *self;
-        settings::Settings { tolerance, ..settings::Settings::default() }.validate()
+        settings::SolverSettings { tolerance, ..settings::SolverSettings::default() }.validate()
     }
 }
 
@@ -91,11 +91,11 @@ impl Settings {
 /// # Example
 /// ```
 /// use myospring::cell::{CellModel, coelho_2021, pacing::Protocol};
-/// use myospring::cell::adaptive::{AdaptiveIntegrator, Settings};
+/// use myospring::cell::adaptive::{AdaptiveIntegrator, AdaptiveSettings};
 ///
 /// let model = coelho_2021::model();
 /// let protocol = Protocol::once(model.default_stimulus());
-/// let mut cell = AdaptiveIntegrator::new(&model, protocol, Settings::default())?;
+/// let mut cell = AdaptiveIntegrator::new(&model, protocol, AdaptiveSettings::default())?;
 /// cell.advance_to(49.0)?;
 /// assert_eq!(cell.state()[0], 0.00195313); // slides along theta_w, to the last bit
 /// cell.advance_to(60.0)?;
@@ -120,7 +120,7 @@ impl AdaptiveIntegrator {
     pub fn new(
         model: &MinimalModel,
         protocol: Protocol,
-        settings: Settings,
+        settings: AdaptiveSettings,
     ) -> Result<Self, SolveError> {
         Self::until(model, protocol, settings, f64::INFINITY)
     }
@@ -128,7 +128,7 @@ impl AdaptiveIntegrator {
     fn until(
         model: &MinimalModel,
         protocol: Protocol,
-        settings: Settings,
+        settings: AdaptiveSettings,
         duration_ms: f64,
     ) -> Result<Self, SolveError> {
         Self::from(&task(model, protocol, duration_ms, None), model, settings)
@@ -139,13 +139,17 @@ impl AdaptiveIntegrator {
         model: &MinimalModel,
         initial_state: [f64; 6],
         protocol: Protocol,
-        settings: Settings,
+        settings: AdaptiveSettings,
     ) -> Result<Self, SolveError> {
         let task = Task { initial_state, ..task(model, protocol, f64::INFINITY, None) };
         Self::from(&task, model, settings)
     }
 
-    fn from(task: &Task, model: &MinimalModel, settings: Settings) -> Result<Self, SolveError> {
+    fn from(
+        task: &Task,
+        model: &MinimalModel,
+        settings: AdaptiveSettings,
+    ) -> Result<Self, SolveError> {
         task.protocol.validate()?;
         settings.validate()?;
         let mut lanes = Lanes::new(settings.tolerance);
@@ -239,7 +243,7 @@ impl Adaptive for MinimalModel {
         tolerance: f64,
     ) -> Result<Box<dyn AdaptiveSteps>, SolveError> {
         let state = std::array::from_fn(|place| state[place]);
-        let settings = Settings { tolerance };
+        let settings = AdaptiveSettings { tolerance };
         Ok(Box::new(AdaptiveIntegrator::starting_from(self, state, protocol, settings)?))
     }
 }
@@ -255,14 +259,14 @@ impl Adaptive for MinimalModel {
 /// use myospring::cell::{CellModel, adaptive, coelho_2021, pacing::Protocol};
 /// let model = coelho_2021::model();
 /// let beat = Protocol::once(model.default_stimulus());
-/// let trace = adaptive::solve(&model, beat, adaptive::Settings::default(), 600.0, 0.1)?;
+/// let trace = adaptive::solve(&model, beat, adaptive::AdaptiveSettings::default(), 600.0, 0.1)?;
 /// assert!((trace.peak_tension().unwrap().time - 171.56).abs() < 0.01);
 /// # Ok::<(), myospring::cell::solve::SolveError>(())
 /// ```
 pub fn solve(
     model: &MinimalModel,
     protocol: Protocol,
-    settings: Settings,
+    settings: AdaptiveSettings,
     duration_ms: f64,
     sample_interval_ms: f64,
 ) -> Result<CellTrace, SolveError> {
@@ -284,9 +288,9 @@ pub fn solve(
 pub fn beats(
     model: &MinimalModel,
     protocol: Protocol,
-    settings: Settings,
+    settings: AdaptiveSettings,
     duration_ms: f64,
-) -> Result<Vec<Beat>, SolveError> {
+) -> Result<Vec<CellBeat>, SolveError> {
     validate_time("duration", duration_ms)?;
     let mut cell = AdaptiveIntegrator::until(model, protocol, settings, duration_ms)?;
     while !cell.step()? {}
@@ -299,7 +303,7 @@ pub fn beats(
 /// As [`beats`], or tension without a positive peak inside the beat.
 pub fn reference_beat(
     model: &MinimalModel,
-    settings: Settings,
+    settings: AdaptiveSettings,
 ) -> Result<ReferenceBeat, SolveError> {
     let protocol = Protocol::once(model.default_stimulus());
     let beats = beats(model, protocol, settings, REFERENCE_BEAT_MS)?;

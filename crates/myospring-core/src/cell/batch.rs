@@ -10,7 +10,7 @@
 //! Tension of cells whose slow inward current differs:
 //! ```
 //! use myospring::cell::batch::{BatchSettings, Paced, run};
-//! use myospring::cell::solve::{Method, Settings};
+//! use myospring::cell::solve::{CellMethod, SolverSettings};
 //! use myospring::cell::{self, pacing::Protocol};
 //!
 //! let published = cell::model("coelho_2021")?;
@@ -21,7 +21,7 @@
 //!     let model = published.with_parameters(parameters)?;
 //!     cells.push(Paced::new(model, Protocol::once(published.default_stimulus()), 600.0)?);
 //! }
-//! let settings = BatchSettings { method: Settings::of(Method::Adaptive), ..Default::default() };
+//! let settings = BatchSettings { method: SolverSettings::of(CellMethod::Adaptive), ..Default::default() };
 //! let outcomes = run(&cells, &settings)?;
 //! let apd: Vec<f64> =
 //!     outcomes.iter().filter_map(|cell| cell.as_ref().ok()?.beats.last()?.apd90_ms).collect();
@@ -29,13 +29,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub use super::beat::Beat;
+pub use super::beat::CellBeat;
 pub use super::cell_model::{BatchSettings, CellOutcome, CellSample, Paced};
 
 use super::cell_model::{CellModel, SideBySide};
 use super::description::Input;
 use super::integrator::Steps;
-use super::settings::{Settings, SolveError, validate_time};
+use super::settings::{SolveError, SolverSettings, validate_time};
 use std::any::{Any, TypeId};
 
 /// Number of cells from which on the vector registers are full.
@@ -97,12 +97,12 @@ pub fn run_while(
 }
 
 /// Whether a model gives its beats exactly with this method, without samples.
-pub fn tells_beats(model: &dyn CellModel, method: Settings) -> bool {
+pub fn tells_beats(model: &dyn CellModel, method: SolverSettings) -> bool {
     together(model, method).is_some_and(SideBySide::tells_beats)
 }
 
 /// The model's vectorised integration with this method, if it has one.
-fn together(model: &dyn CellModel, method: Settings) -> Option<&dyn SideBySide> {
+fn together(model: &dyn CellModel, method: SolverSettings) -> Option<&dyn SideBySide> {
     model.side_by_side().filter(|way| way.method() == method.method)
 }
 
@@ -144,7 +144,7 @@ fn alone(
     let column = |read: fn(&CellSample) -> f64| samples.iter().map(read).collect::<Vec<f64>>();
     let (potential, tension) =
         (column(|it| it.potential.unwrap_or(f64::NAN)), column(|it| it.tension));
-    let beats = Beat::of_samples(&times, &potential, &tension, protocol.stimulus_times());
+    let beats = CellBeat::of_samples(&times, &potential, &tension, protocol.stimulus_times());
     if settings.sample_interval_ms.is_none() {
         samples.clear();
     }

@@ -1,11 +1,11 @@
 //! Metrics of a beat of a cell without a mesh.
 
-use crate::analysis::capture::{self, Response};
+use crate::analysis::capture::{self, StimulusResponse};
 use serde::{Deserialize, Serialize};
 
 /// One beat of a cell, from its stimulus to the next or to the end.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Beat {
+pub struct CellBeat {
     /// Time of the stimulus, ms.
     pub stimulus_ms: f64,
     /// Potential, in the unit of its state, just before the stimulus.
@@ -21,7 +21,7 @@ pub struct Beat {
     pub apd90_ms: Option<f64>,
 }
 
-impl Beat {
+impl CellBeat {
     /// Whether these beats are sufficient without samples. Samples are needed if a stimulus may
     /// have raised no action potential, or came while the tension of the previous beat was higher
     /// than that of its own; `unit` is that of the potential.
@@ -29,9 +29,9 @@ impl Beat {
         let early = |beat: &Self| beat.peak_tension_ms <= beat.stimulus_ms;
         let response = |beat: &Self| {
             let (rest, peak) = (beat.resting_potential, beat.peak_potential);
-            Response { rest, met: rest, peak, seen: true }
+            StimulusResponse { rest, met: rest, peak, seen: true }
         };
-        let responses: Vec<Response> = beats.iter().map(response).collect();
+        let responses: Vec<StimulusResponse> = beats.iter().map(response).collect();
         let missed =
             capture::captures(&responses, capture::least_height(unit)).contains(&Some(false));
         !missed && !beats.iter().any(early)

@@ -2,7 +2,7 @@
 //!
 //! Eight cells are integrated together, each with its own parameters, pacing, time and step; a cell
 //! that has reached its end is replaced by the next one. The method is that of
-//! [`stiff`](super::settings::Method::Stiff) steps. Lanes are independent, and no operation is
+//! [`stiff`](super::settings::CellMethod::Stiff) steps. Lanes are independent, and no operation is
 //! fused, so **the result of a cell is bitwise the same** alone, in any batch, in any order and
 //! with any vector units (AVX-512, AVX2 or none, chosen at run time). Compared with the same cell
 //! by [`CellIntegrator`](super::integrator::CellIntegrator), whose elimination sums in another
@@ -12,10 +12,10 @@ mod course;
 mod elimination;
 mod step;
 
-use super::beat::Beat;
+use super::beat::CellBeat;
 use super::cell_model::{BatchSettings, CellModel as _, CellOutcome, Paced, SideBySide};
 use super::pacer::Pacer;
-use super::settings::{Method, SolveError};
+use super::settings::{CellMethod, SolveError};
 use super::tomek_2019::{TomekModel, Variant, lanes::LANES};
 use course::{Course, Moved};
 use std::any::Any;
@@ -34,8 +34,8 @@ struct Member<'a> {
 }
 
 impl SideBySide for TomekModel {
-    fn method(&self) -> Method {
-        Method::Stiff
+    fn method(&self) -> CellMethod {
+        CellMethod::Stiff
     }
 
     fn tells_beats(&self) -> bool {
@@ -80,7 +80,7 @@ fn told(member: &Member<'_>, mut outcome: CellOutcome, settings: &BatchSettings)
     let potential: Vec<f64> = samples.iter().map(|it| it.potential.unwrap_or(f64::NAN)).collect();
     let tension: Vec<f64> = samples.iter().map(|sample| sample.tension).collect();
     let stimuli = member.cell.protocol.stimulus_times();
-    outcome.beats = Beat::of_samples(&times, &potential, &tension, stimuli);
+    outcome.beats = CellBeat::of_samples(&times, &potential, &tension, stimuli);
     if settings.sample_interval_ms.is_none() {
         outcome.samples.clear();
     }

@@ -5,14 +5,14 @@
 //! calcium, are methods of [`CellModel`] that return "no" by default. Code asks a model what it can
 //! do, never which model it is.
 
-use super::beat::Beat;
+use super::beat::CellBeat;
 use super::calcium::{Calcium, CalciumTrace};
 use super::description::{
     Gate, Input, KnownDeparture, ModelError, Output, StateVariable, Stimulation, TensionKind,
 };
 use super::land_2017::Myofilaments;
 use super::pacing::{Protocol, Stimulus};
-use super::settings::{Method, Settings, SolveError, validate_time};
+use super::settings::{CellMethod, SolveError, SolverSettings, validate_time};
 use super::tension::Tension;
 use crate::parameter::ParameterSet;
 use std::any::Any;
@@ -90,7 +90,7 @@ pub trait CellModel: Any + Send + Sync {
     fn in_authors_program(&self) -> Option<(Arc<dyn CellModel>, f64)> {
         None
     }
-    /// Groups of states that [`Method::StaggeredEuler`] updates one after the other: index of the
+    /// Groups of states that [`CellMethod::StaggeredEuler`] updates one after the other: index of the
     /// first state of each group except the first; none by default.
     fn staggered_groups(&self) -> &'static [usize] {
         &[]
@@ -154,9 +154,9 @@ pub trait CellModel: Any + Send + Sync {
             .and_then(|place| self.states().get(place))
             .map_or_else(String::new, |state| state.unit.to_string())
     }
-    /// Suitable method with step or tolerance; by default [`Settings::default`].
-    fn usual_settings(&self) -> Settings {
-        Settings::default()
+    /// Suitable method with step or tolerance; by default [`SolverSettings::default`].
+    fn usual_settings(&self) -> SolverSettings {
+        SolverSettings::default()
     }
     /// The longest rest, ms, after which its beat is valid; unlimited by default.
     fn longest_rest_ms(&self) -> f64 {
@@ -235,7 +235,7 @@ impl Clone for Box<dyn AdaptiveSteps> {
 /// A model that can integrate many cells at once, for instance in vector registers.
 pub trait SideBySide {
     /// The method for which this is available; with any other, each cell is integrated alone.
-    fn method(&self) -> Method;
+    fn method(&self) -> CellMethod;
     /// Whether it gives each beat exactly, without samples.
     fn tells_beats(&self) -> bool;
     /// Integrates cells, all of the type of this model, to their end. Returns the outcomes in
@@ -292,7 +292,7 @@ impl Paced {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BatchSettings {
     /// Method, step and tolerance.
-    pub method: Settings,
+    pub method: SolverSettings,
     /// Time between samples, ms, first at 0 ms; default `None`, no samples.
     pub sample_interval_ms: Option<f64>,
 }
@@ -327,7 +327,7 @@ impl CellSample {
 pub struct CellOutcome {
     /// Its beats, one for each stimulus, in order; exact if the model gives them, else from
     /// samples.
-    pub beats: Vec<Beat>,
+    pub beats: Vec<CellBeat>,
     /// Sample `k` is at `k` times the interval; empty if none were requested.
     pub samples: Vec<CellSample>,
     /// Number of steps; 0 if they are not counted.

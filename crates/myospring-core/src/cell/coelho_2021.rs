@@ -25,7 +25,7 @@
 
 use super::minimal::{self, Identity, MinimalModel};
 use super::pacing::{Protocol, Stimulus};
-use super::settings::{Method, Settings};
+use super::settings::{CellMethod, SolverSettings};
 use super::tension;
 use crate::parameter::ParameterSet;
 
@@ -89,8 +89,8 @@ pub fn parameters() -> ParameterSet {
 /// # Example
 /// ```
 /// use myospring::cell::coelho_2021;
-/// use myospring::cell::solve::{Settings, reference_beat};
-/// let beat = reference_beat(&coelho_2021::model(), Settings::default())?;
+/// use myospring::cell::solve::{SolverSettings, reference_beat};
+/// let beat = reference_beat(&coelho_2021::model(), SolverSettings::default())?;
 /// assert!((beat.peak_time_ms - 171.56).abs() < 0.1); // "around 170 ms"
 /// # Ok::<(), myospring::cell::solve::SolveError>(())
 /// ```
@@ -103,8 +103,8 @@ pub fn model() -> MinimalModel {
 /// First `u, v, w, s` from their old values, then `Ta_i` from the new `u`, then `Ta` from the new
 /// `u` and `Ta_i`. This step is not converged for the tension: its peak is 3.6 % low and its onset
 /// 20 ms late.
-pub const fn authors_step() -> Settings {
-    Settings { step_ms: 0.05, ..Settings::of(Method::StaggeredEuler) }
+pub const fn authors_step() -> SolverSettings {
+    SolverSettings { step_ms: 0.05, ..SolverSettings::of(CellMethod::StaggeredEuler) }
 }
 
 /// The authors' stimulus falls before the step that ends at 50 ms.

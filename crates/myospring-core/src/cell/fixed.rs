@@ -69,19 +69,19 @@ impl FixedSteps {
         self.upstroke.steepest()
     }
 
-    /// Integrates to time `t_ms`; the stimulus in `felt` is ignored.
+    /// Integrates to time `t_ms`; the stimulus in `input` is ignored.
     pub(super) fn advance_to(
         &mut self,
         model: &dyn CellModel,
         t_ms: f64,
-        felt: &Input,
+        input: &Input,
     ) -> Result<(), SolveError> {
         let same = SAME_INSTANT * self.step_ms;
         if !t_ms.is_finite() || t_ms < self.time_ms - same {
             return Err(SolveError::BackInTime { target_ms: t_ms, time_ms: self.time_ms });
         }
         while t_ms - self.time_ms > same {
-            self.step_towards(model, t_ms, felt, same)?;
+            self.step_towards(model, t_ms, input, same)?;
         }
         Ok(())
     }
@@ -91,7 +91,7 @@ impl FixedSteps {
         &mut self,
         model: &dyn CellModel,
         target_ms: f64,
-        felt: &Input,
+        input: &Input,
         same: f64,
     ) -> Result<(), SolveError> {
         let grid_ms = self.next_grid as f64 * self.step_ms;
@@ -111,7 +111,7 @@ impl FixedSteps {
         let input = Input {
             stimulus: self.pacer.current(),
             since_stimulus_ms: self.pacer.since_stimulus(self.time_ms),
-            ..*felt
+            ..*input
         };
         self.work.step(self.scheme, model, &mut self.state, &input, step_ms);
         self.upstroke.see(input.since_stimulus_ms, &self.work.rates[0], input.stimulus);

@@ -5,7 +5,7 @@ use super::description::Input;
 use super::fixed::{FixedSteps, Scheme};
 use super::pacer::Pacer;
 use super::pacing::Protocol;
-use super::settings::{Method, Settings, SolveError};
+use super::settings::{CellMethod, SolveError, SolverSettings};
 use super::stiff::StiffSteps;
 use std::sync::Arc;
 
@@ -23,13 +23,13 @@ use std::sync::Arc;
 ///
 /// # Example
 /// ```
-/// use myospring::cell::{CellModel, coelho_2021, integrator::CellIntegrator, solve::Settings};
+/// use myospring::cell::{CellModel, coelho_2021, integrator::CellIntegrator, solve::SolverSettings};
 /// use myospring::cell::pacing::Protocol;
 /// use std::sync::Arc;
 ///
 /// let model = coelho_2021::model();
 /// let protocol = Protocol::once(model.default_stimulus());
-/// let mut cell = CellIntegrator::new(Arc::new(model), protocol, Settings::default())?;
+/// let mut cell = CellIntegrator::new(Arc::new(model), protocol, SolverSettings::default())?;
 /// for step in 1..=60 {
 ///     cell.advance_to(f64::from(step), 1.0, 0.0)?; // at resting length, which does not change
 /// }
@@ -51,7 +51,7 @@ impl CellIntegrator {
     pub fn new(
         model: Arc<dyn CellModel>,
         protocol: Protocol,
-        settings: Settings,
+        settings: SolverSettings,
     ) -> Result<Self, SolveError> {
         let state = model.initial_state();
         Self::starting_from(model, &state, protocol, settings)
@@ -66,7 +66,7 @@ impl CellIntegrator {
         model: Arc<dyn CellModel>,
         state: &[f64],
         protocol: Protocol,
-        settings: Settings,
+        settings: SolverSettings,
     ) -> Result<Self, SolveError> {
         let (found, expected) = (state.len(), model.states().len());
         if found != expected || state.iter().any(|value| !value.is_finite()) {
@@ -141,7 +141,7 @@ pub(super) struct Steps {
     way: Way,
     protocol: Protocol,
     /// The last input.
-    felt: Input,
+    input: Input,
 }
 
 #[derive(Clone)]
@@ -155,7 +155,7 @@ impl Steps {
     pub(super) fn new(
         model: &dyn CellModel,
         protocol: Protocol,
-        settings: Settings,
+        settings: SolverSettings,
     ) -> Result<Self, SolveError> {
         Self::starting_from(model, &model.initial_state(), protocol, settings)
     }
@@ -164,7 +164,7 @@ impl Steps {
         model: &dyn CellModel,
         state: &[f64],
         protocol: Protocol,
-        settings: Settings,
+        settings: SolverSettings,
     ) -> Result<Self, SolveError> {
         settings.validate()?;
         let pacer = Pacer::new(&model.stimulation(), protocol)?;
@@ -181,40 +181,40 @@ impl Steps {
             Way::Fixed(Box::new(steps))
         };
         let way = match settings.method {
-            Method::RungeKutta4 => fixed(Scheme::RungeKutta4),
-            Method::ForwardEuler => fixed(Scheme::Euler { cuts: &[] }),
-            Method::StaggeredEuler if model.staggered_groups().is_empty() => {
+            CellMethod::RungeKutta4 => fixed(Scheme::RungeKutta4),
+            CellMethod::ForwardEuler => fixed(Scheme::Euler { cuts: &[] }),
+            CellMethod::StaggeredEuler if model.staggered_groups().is_empty() => {
                 return Err(refuse("which serves the minimal model only", for_any));
             }
-            Method::StaggeredEuler => fixed(Scheme::Euler { cuts: model.staggered_groups() }),
-            Method::RushLarsen if model.gates().is_empty() => {
+            CellMethod::StaggeredEuler => fixed(Scheme::Euler { cuts: model.staggered_groups() }),
+            CellMethod::RushLarsen if model.gates().is_empty() => {
                 return Err(refuse("which needs a model that names its gates", for_any));
             }
-            Method::RushLarsen => fixed(Scheme::RushLarsen),
-            Method::Adaptive => {
+            CellMethod::RushLarsen => fixed(Scheme::RushLarsen),
+            CellMethod::Adaptive => {
                 let adaptive = model.adaptive();
                 let adaptive = adaptive
                     .ok_or_else(|| refuse("which serves the minimal model only", for_any))?;
                 Way::Adaptive(adaptive.start(state, protocol, settings.tolerance)?)
             }
             // Sliding along a threshold would need millions of steps.
-            Method::Stiff if model.jumps() => {
+            CellMethod::Stiff if model.jumps() => {
                 let instead = match model.adaptive() {
                     Some(_) => "`adaptive`, which knows the jumps",
                     None => "`runge-kutta-4`",
                 };
                 return Err(refuse("whose steps shrink to nothing where equations jump", instead));
             }
-            Method::Stiff if model.stimulation().moves.is_empty() => {
+            CellMethod::Stiff if model.stimulation().moves.is_empty() => {
                 let reason = "whose steps do not support prescribed courses over time";
                 return Err(refuse(reason, "`runge-kutta-4`"));
             }
-            Method::Stiff => {
+            CellMethod::Stiff => {
                 let tolerance = settings.tolerance;
                 Way::Stiff(Box::new(StiffSteps::new(model, state.to_vec(), pacer, tolerance)))
             }
         };
-        Ok(Self { way, protocol, felt: Input::REST })
+        Ok(Self { way, protocol, input: Input::REST })
     }
 
     /// Declares the stretch constant from now on.
@@ -254,7 +254,7 @@ impl Steps {
         Input {
             stimulus: self.protocol.current_at(time_ms),
             since_stimulus_ms: self.protocol.since_stimulus(time_ms),
-            ..self.felt
+            ..self.input
         }
     }
 
@@ -278,11 +278,11 @@ impl Steps {
         if !stretch_rate.is_finite() {
             return Err(SolveError::StretchRate { value: stretch_rate, time_ms: self.time() });
         }
-        self.felt = Input { stretch, stretch_rate, ..Input::REST };
+        self.input = Input { stretch, stretch_rate, ..Input::REST };
         match &mut self.way {
-            Way::Fixed(steps) => steps.advance_to(model, t_ms, &self.felt),
+            Way::Fixed(steps) => steps.advance_to(model, t_ms, &self.input),
             Way::Adaptive(steps) => steps.advance_to(t_ms),
-            Way::Stiff(steps) => steps.advance_to(model, t_ms, &self.felt),
+            Way::Stiff(steps) => steps.advance_to(model, t_ms, &self.input),
         }
     }
 }

@@ -10,7 +10,7 @@ use super::adaptive::{Course, Lanes, Task, stalled, task};
 use super::cell_model::{BatchSettings, CellOutcome, CellSample, Paced, SideBySide};
 use super::description::Input;
 use super::minimal::MinimalModel;
-use super::settings::{Method, SolveError};
+use super::settings::{CellMethod, SolveError};
 use std::any::Any;
 
 /// Number of cells that are integrated together.
@@ -20,8 +20,8 @@ const LANES: usize = 16;
 const ASKED_EVERY: u32 = 4096;
 
 impl SideBySide for MinimalModel {
-    fn method(&self) -> Method {
-        Method::Adaptive
+    fn method(&self) -> CellMethod {
+        CellMethod::Adaptive
     }
 
     fn tells_beats(&self) -> bool {
@@ -125,7 +125,7 @@ mod tests {
     use crate::cell::batch::run;
     use crate::cell::cell_model::CellModel as _;
     use crate::cell::pacing::Protocol;
-    use crate::cell::settings::Settings;
+    use crate::cell::settings::SolverSettings;
     use crate::cell::{bueno_orovio_2008, coelho_2021};
     use std::sync::Arc;
 
@@ -145,7 +145,7 @@ mod tests {
                 Paced::new(Arc::new(model.clone()), protocol, 900.0).unwrap()
             })
             .collect();
-        let method = Settings::of(Method::Adaptive);
+        let method = SolverSettings::of(CellMethod::Adaptive);
         let settings = BatchSettings { method, sample_interval_ms: Some(3.0) };
         let expected = run(&cells, &settings).unwrap();
         assert!(expected.iter().all(Result::is_ok));

@@ -8,7 +8,7 @@ use std::fmt;
 /// An integration method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Method {
+pub enum CellMethod {
     #[serde(rename = "runge-kutta-4")]
     /// Classical Runge-Kutta, order 4 for smooth equations; fixed steps.
     RungeKutta4,
@@ -27,7 +27,7 @@ pub enum Method {
     Stiff,
 }
 
-impl Method {
+impl CellMethod {
     /// All methods.
     pub const ALL: [Self; 6] = [
         Self::RungeKutta4,
@@ -56,7 +56,7 @@ impl Method {
     }
 }
 
-impl fmt::Display for Method {
+impl fmt::Display for CellMethod {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(self.name())
     }
@@ -65,28 +65,28 @@ impl fmt::Display for Method {
 /// Numerical settings of a cell; the measured error of the default is documented in
 /// [`solve`](super::solve).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Settings {
+pub struct SolverSettings {
     /// Default: Runge-Kutta 4.
-    pub method: Method,
+    pub method: CellMethod,
     /// Largest step of a method with fixed steps, ms; default 0.005.
     pub step_ms: f64,
     /// Largest error of an adaptive step relative to the size of each variable; default 1e-5.
     pub tolerance: f64,
 }
 
-impl Default for Settings {
+impl Default for SolverSettings {
     fn default() -> Self {
-        Self::of(Method::RungeKutta4)
+        Self::of(CellMethod::RungeKutta4)
     }
 }
 
-impl Settings {
+impl SolverSettings {
     /// Smallest and largest tolerance: below, rounding errors dominate; above, the error estimate
     /// is meaningless.
     pub const TOLERANCES: [f64; 2] = [1e-10, 1e-2];
 
     /// Settings of a method with the default step and tolerance.
-    pub const fn of(method: Method) -> Self {
+    pub const fn of(method: CellMethod) -> Self {
         Self { method, step_ms: 0.005, tolerance: 1e-5 }
     }
 
@@ -118,7 +118,7 @@ pub enum SolveError {
         /// The model.
         model: String,
         /// The method.
-        method: Method,
+        method: CellMethod,
         /// Why it does not.
         reason: &'static str,
         /// Methods that suit it.
@@ -261,10 +261,10 @@ mod tests {
 
     #[test]
     fn the_names_are_those_of_run_files() {
-        for method in Method::ALL {
+        for method in CellMethod::ALL {
             let written = serde_json::to_string(&method).unwrap();
             assert_eq!(written, format!("\"{method}\""));
-            assert_eq!(serde_json::from_str::<Method>(&written).unwrap(), method);
+            assert_eq!(serde_json::from_str::<CellMethod>(&written).unwrap(), method);
         }
     }
 }

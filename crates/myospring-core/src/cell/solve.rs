@@ -10,7 +10,7 @@
 //! of the peak of tension within 0.15 ms (`coelho_2021`: 0.003).
 
 pub use super::reference::{REFERENCE_BEAT_MS, ReferenceBeat};
-pub use super::settings::{Method, Settings, SolveError};
+pub use super::settings::{CellMethod, SolveError, SolverSettings};
 
 use super::cell_model::CellModel;
 use super::description::TensionKind;
@@ -28,11 +28,11 @@ use crate::interruption::Interruption;
 ///
 /// # Example
 /// ```
-/// use myospring::cell::{CellModel, coelho_2021, pacing::Protocol, solve::{Settings, solve}};
+/// use myospring::cell::{CellModel, coelho_2021, pacing::Protocol, solve::{SolverSettings, solve}};
 ///
 /// let model = coelho_2021::model();
 /// let beat = Protocol::once(model.default_stimulus());
-/// let trace = solve(&model, beat, Settings::default(), 100.0, 0.5)?;
+/// let trace = solve(&model, beat, SolverSettings::default(), 100.0, 0.5)?;
 /// assert_eq!(trace.time_ms.len(), 201);
 /// assert!((trace.peak_potential().unwrap().time - 52.0).abs() < 0.5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -40,7 +40,7 @@ use crate::interruption::Interruption;
 pub fn solve(
     model: &dyn CellModel,
     protocol: Protocol,
-    settings: Settings,
+    settings: SolverSettings,
     duration_ms: f64,
     sample_interval_ms: f64,
 ) -> Result<CellTrace, SolveError> {
@@ -55,7 +55,7 @@ pub fn solve(
 pub fn solve_interruptible(
     model: &(dyn CellModel + 'static),
     protocol: Protocol,
-    settings: Settings,
+    settings: SolverSettings,
     duration_ms: f64,
     sample_interval_ms: f64,
     interruption: &Interruption,
@@ -75,7 +75,7 @@ pub fn solve_interruptible(
 /// As [`solve`], or tension without a positive peak inside the beat.
 pub fn reference_beat(
     model: &dyn CellModel,
-    settings: Settings,
+    settings: SolverSettings,
 ) -> Result<ReferenceBeat, SolveError> {
     if model.tension_kind() == TensionKind::None {
         return Err(SolveError::NoTension { model: model.name().to_owned() });

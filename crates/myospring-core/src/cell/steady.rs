@@ -10,7 +10,7 @@
 use super::CellModel;
 use super::integrator::CellIntegrator;
 use super::pacing::Protocol;
-use super::settings::{Settings, SolveError};
+use super::settings::{SolveError, SolverSettings};
 use crate::interruption::{Interrupted, Interruption};
 use std::sync::Arc;
 
@@ -70,19 +70,19 @@ pub enum SteadyError {
 ///
 /// # Example
 /// ```
-/// use myospring::cell::{CellModel, coelho_2021, pacing::Protocol, solve::Settings, steady};
+/// use myospring::cell::{CellModel, coelho_2021, pacing::Protocol, solve::SolverSettings, steady};
 /// use myospring::interruption::Interruption;
 /// use std::sync::Arc;
 /// let model: Arc<dyn CellModel> = Arc::new(coelho_2021::model());
 /// let protocol = Protocol { cycle_length_ms: 600.0, ..Protocol::once(model.default_stimulus()) };
-/// let found = steady::pace(&model, protocol, Settings::default(), 1e-3, &Interruption::default())?;
+/// let found = steady::pace(&model, protocol, SolverSettings::default(), 1e-3, &Interruption::default())?;
 /// assert!(found.beats >= 10 && found.change <= 1e-3);
 /// # Ok::<(), steady::SteadyError>(())
 /// ```
 pub fn pace(
     model: &Arc<dyn CellModel>,
     protocol: Protocol,
-    settings: Settings,
+    settings: SolverSettings,
     tolerance: f64,
     interruption: &Interruption,
 ) -> Result<SteadyState, SteadyError> {

@@ -132,12 +132,12 @@ impl StiffSteps {
         self.upstroke.steepest()
     }
 
-    /// Integrates to time `t_ms`; the stimulus in `felt` is ignored.
+    /// Integrates to time `t_ms`; the stimulus in `input` is ignored.
     pub(super) fn advance_to(
         &mut self,
         model: &dyn CellModel,
         t_ms: f64,
-        felt: &Input,
+        input: &Input,
     ) -> Result<(), SolveError> {
         if !t_ms.is_finite() || (t_ms < self.time_ms && !same_instant(t_ms, self.time_ms)) {
             return Err(SolveError::BackInTime { target_ms: t_ms, time_ms: self.time_ms });
@@ -145,7 +145,7 @@ impl StiffSteps {
         let bound_ms = if self.stretch_varies { t_ms } else { f64::INFINITY };
         while self.end_ms < t_ms && !same_instant(self.end_ms, t_ms) {
             let stop_ms = self.pacer.next_ms().unwrap_or(f64::INFINITY).min(bound_ms);
-            self.step(model, felt, stop_ms)?;
+            self.step(model, input, stop_ms)?;
         }
         self.state = match &self.piece {
             Some(piece) if !same_instant(self.end_ms, t_ms) => {
@@ -161,10 +161,10 @@ impl StiffSteps {
     fn step(
         &mut self,
         model: &dyn CellModel,
-        felt: &Input,
+        input: &Input,
         stop_ms: f64,
     ) -> Result<(), SolveError> {
-        let input = Input { stimulus: self.pacer.current(), ..*felt };
+        let input = Input { stimulus: self.pacer.current(), ..*input };
         self.rosenbrock.begin(model, &self.end, &input, &self.floors);
         let since_ms = self.pacer.since_stimulus(self.end_ms);
         self.upstroke.see(since_ms, self.rosenbrock.rates(), input.stimulus);

@@ -28,7 +28,7 @@ use super::description::{
 };
 use super::land_2017::{self, Myofilaments};
 use super::pacing::Stimulus;
-use super::settings::{Method, Settings};
+use super::settings::{CellMethod, SolverSettings};
 use crate::parameter::ParameterSet;
 use equations::{BEHIND, Constants, Form, GATES, Outside, Parts, derivatives};
 use gate::Moving;
@@ -360,8 +360,8 @@ impl CellModel for TomekModel {
         &ALL[..self.constants.form.len() - 1]
     }
 
-    fn usual_settings(&self) -> Settings {
-        Settings::of(Method::Stiff)
+    fn usual_settings(&self) -> SolverSettings {
+        SolverSettings::of(CellMethod::Stiff)
     }
 
     fn longest_rest_ms(&self) -> f64 {

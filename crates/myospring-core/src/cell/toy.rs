@@ -37,10 +37,10 @@ static STATES: [StateVariable; 2] = [
 ///
 /// # Example
 /// ```
-/// use myospring::cell::solve::{self, Settings};
+/// use myospring::cell::solve::{self, SolverSettings};
 /// use myospring::cell::toy::ToyModel;
 /// let toy = ToyModel::published();
-/// let beat = solve::reference_beat(&toy, Settings::default())?;
+/// let beat = solve::reference_beat(&toy, SolverSettings::default())?;
 /// assert!((beat.peak_tension - (-1.0_f64).exp()).abs() < 1e-6);
 /// assert!((toy.tension_after_jump(1.0, 50.0) - (-1.0_f64).exp()).abs() < 1e-15);
 /// # Ok::<(), myospring::cell::solve::SolveError>(())

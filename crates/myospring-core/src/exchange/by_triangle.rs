@@ -5,7 +5,7 @@ use super::{
 };
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
-use crate::cell::solve::{Settings, SolveError};
+use crate::cell::solve::{SolveError, SolverSettings};
 use crate::cell::{CellModel, Input, Output};
 use crate::mechanics::Tension;
 use std::sync::Arc;
@@ -64,7 +64,7 @@ pub struct ByTriangle {
     strongest: ActivationBounds,
     /// Stretch of each model in the cell at rest.
     resting_stretch: Vec<f64>,
-    settings: Settings,
+    settings: SolverSettings,
     stimulus_times_ms: Vec<f64>,
     s2_ms: Option<f64>,
 }
@@ -80,7 +80,7 @@ impl ByTriangle {
     pub fn new(
         model: Arc<dyn CellModel>,
         protocols: &[Protocol],
-        settings: Settings,
+        settings: SolverSettings,
         scale: f64,
     ) -> Result<Self, SolveError> {
         Self::starting_from(model, None, protocols, settings, scale)
@@ -94,7 +94,7 @@ impl ByTriangle {
         model: Arc<dyn CellModel>,
         state: Option<&[f64]>,
         protocols: &[Protocol],
-        settings: Settings,
+        settings: SolverSettings,
         scale: f64,
     ) -> Result<Self, SolveError> {
         let state = state.map_or_else(|| model.initial_state(), <[f64]>::to_vec);
@@ -165,7 +165,7 @@ fn reach(
 /// Returns the bounds of one default beat at a stretch.
 fn strongest(
     model: &Arc<dyn CellModel>,
-    settings: Settings,
+    settings: SolverSettings,
     scale: f64,
     stretch: f64,
 ) -> Result<ActivationBounds, SolveError> {
@@ -192,12 +192,12 @@ impl Activation for ByTriangle {
         Sites::PerElement(self.kept.len())
     }
 
-    fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError> {
+    fn advance(&mut self, to_ms: f64, now: StretchState<'_>) -> Result<(), ActivationError> {
         let failed = |error: SolveError| ActivationError(error.to_string());
         let feels = self.model.feels_stretch();
         for site in 0..self.kept.len() {
             let at_rest = self.resting_stretch[site];
-            let [stretch, rate] = [felt.stretch[site], felt.rate[site]].map(|of| at_rest * of);
+            let [stretch, rate] = [now.stretch[site], now.rate[site]].map(|of| at_rest * of);
             let kept = &self.kept[site];
             let over = to_ms - kept.time();
             let moved = &mut self.moved[site];

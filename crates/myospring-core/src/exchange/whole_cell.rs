@@ -6,7 +6,7 @@ use super::{
 };
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
-use crate::cell::solve::{Settings, SolveError};
+use crate::cell::solve::{SolveError, SolverSettings};
 use crate::cell::{CellModel, Input, Output, StateVariable};
 use crate::mechanics::Tension;
 use crate::recording::{CALCIUM, STEEPEST_RISE};
@@ -19,7 +19,7 @@ pub struct WholeCell {
     kept: CellIntegrator,
     moved: CellIntegrator,
     /// Stretch and rate at the current time.
-    felt: Input,
+    input: Input,
     /// Crossbridges that are followed apart from the rest of the cell, which then goes on but once an interval.
     crossbridges: Option<Crossbridges>,
     /// kPa per unit of the model's tension.
@@ -41,7 +41,7 @@ impl WholeCell {
     pub fn new(
         model: Arc<dyn CellModel>,
         protocol: Protocol,
-        settings: Settings,
+        settings: SolverSettings,
         scale: f64,
         strongest: ActivationBounds,
     ) -> Result<Self, SolveError> {
@@ -56,7 +56,7 @@ impl WholeCell {
         model: Arc<dyn CellModel>,
         state: Option<&[f64]>,
         protocol: Protocol,
-        settings: Settings,
+        settings: SolverSettings,
         scale: f64,
         strongest: ActivationBounds,
     ) -> Result<Self, SolveError> {
@@ -68,7 +68,7 @@ impl WholeCell {
         Ok(Self {
             moved: kept.clone(),
             kept,
-            felt: Input::REST,
+            input: Input::REST,
             crossbridges: None,
             scale,
             strongest,
@@ -131,10 +131,10 @@ impl Activation for WholeCell {
         Sites::Whole
     }
 
-    fn advance(&mut self, to_ms: f64, felt: StretchState<'_>) -> Result<(), ActivationError> {
+    fn advance(&mut self, to_ms: f64, now: StretchState<'_>) -> Result<(), ActivationError> {
         let failed = |error: SolveError| ActivationError(error.to_string());
-        let [stretch, rate] = [felt.stretch[0], felt.rate[0]].map(|of| self.resting_stretch * of);
-        self.felt = Input { stretch, stretch_rate: rate, ..Input::REST };
+        let [stretch, rate] = [now.stretch[0], now.rate[0]].map(|of| self.resting_stretch * of);
+        self.input = Input { stretch, stretch_rate: rate, ..Input::REST };
         if let Some(crossbridges) = &mut self.crossbridges {
             return crossbridges
                 .advance(&self.kept, &mut self.moved, to_ms, stretch)
@@ -149,12 +149,12 @@ impl Activation for WholeCell {
     fn keep(&mut self) {
         self.kept.clone_from(&self.moved);
         if let Some(crossbridges) = &mut self.crossbridges {
-            crossbridges.keep(self.felt.stretch);
+            crossbridges.keep(self.input.stretch);
         }
     }
 
     fn tension(&self) -> Tension<'_> {
-        let tension = self.moved.model().tension(&self.state(), &self.felt);
+        let tension = self.moved.model().tension(&self.state(), &self.input);
         Tension::Uniform(self.scale * tension)
     }
 

@@ -34,7 +34,7 @@ mod field;
 mod shapes;
 mod tolerance;
 
-pub use error::{PathError, Place};
+pub use error::{PathError, WeakPlace};
 pub use field::Equilibrium;
 pub use shapes::Shapes;
 pub use tolerance::Tolerance;
@@ -254,7 +254,7 @@ impl<'a, const D: usize> Path<'a, D> {
                 let Knot { tension, positions, .. } = self.last(side).clone();
                 let place = self.solver.softest_node(&positions, tension.into()).map(|node| {
                     let [x, y] = [0, 1].map(|axis| positions[axis][node]);
-                    Place { node, x, y }
+                    WeakPlace { node, x, y }
                 });
                 let tensions = [tension, tension + direction * step];
                 return Err(ending(failure, self.solver.body(), tensions, place));
@@ -340,7 +340,7 @@ fn ending<const D: usize>(
     failure: Failure,
     body: &Body<D>,
     [tension, beyond]: [f64; 2],
-    place: Option<Place>,
+    place: Option<WeakPlace>,
 ) -> PathError {
     match failure {
         Failure::Indefinite => PathError::Unstable { tension, beyond, place },

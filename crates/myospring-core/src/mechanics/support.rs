@@ -7,7 +7,7 @@
 //! - [`SupportKind::ClampedEnd`], [`SupportKind::ClampedEnds`]: the nodes at one end or both cannot move
 //!   (isometric when both).
 //! - [`SupportKind::AfterloadedEnds`]: clamped ends, one of which leaves its stop under a constant
-//!   load ([`super::grip`]).
+//!   load ([`super::loaded_end`]).
 //! - [`SupportKind::SpringHeldEnds`], [`SupportKind::ElasticBed`]: springs hold the cell, which are
 //!   forces with an energy ([`super::anchor`]); no node is constrained.
 
@@ -103,7 +103,7 @@ impl Support {
             SupportKind::MassCentre => Self::MassCentre,
             SupportKind::SpringHeldEnds { .. } | SupportKind::ElasticBed { .. } => Self::Free,
             SupportKind::ClampedEnd => Self::Clamped(lower),
-            // At their stops; a loaded grip that has left its stop is a force ([`super::grip`]).
+            // At their stops; a loaded grip that has left its stop is a force ([`super::loaded_end`]).
             SupportKind::ClampedEnds | SupportKind::AfterloadedEnds { .. } => {
                 lower.extend(upper);
                 lower.sort_unstable();

@@ -10,7 +10,7 @@ use super::observer::Samples;
 use super::train::Train;
 use super::{Simulation, StopReason};
 use crate::cell::pacing::Protocol;
-use crate::cell::solve::{Method, SolveError};
+use crate::cell::solve::{CellMethod, SolveError};
 use crate::cell::tension::lag::Lag;
 use crate::cell::{CellModel, TensionKind};
 use crate::exchange::{ActivationBounds, WholeCell};
@@ -89,7 +89,8 @@ impl Beating<'_> {
         let Self { simulation, cell, strength, .. } = *self;
         let mut settings = simulation.numerics.cell;
         // Made for the action potential's upstroke; nothing in myofilaments is as fast.
-        if settings.method == Method::RungeKutta4 && cell.potential(&cell.initial_state()).is_none()
+        if settings.method == CellMethod::RungeKutta4
+            && cell.potential(&cell.initial_state()).is_none()
         {
             settings.step_ms = settings.step_ms.max(STEP_MS);
         }
@@ -146,7 +147,7 @@ impl Shaping for OnResponse<'_> {
         self.tension = self.marked;
     }
 
-    fn felt(&self) -> Vec<f64> {
+    fn stretch_now(&self) -> Vec<f64> {
         vec![self.response.stretch(self.shortening())]
     }
 }

@@ -1,6 +1,6 @@
 //! How activation and mesh find each other, interval by interval: in a run and wherever a cell beats on its equilibria.
 //!
-//! - **Nothing is felt** (`tangent` is `None`): the activation moves on under the stretch at the start of the
+//! - **Stretch does not change the tension** (`tangent` is `None`): the activation moves on under the stretch at the start of the
 //!   interval, and the mesh follows its tension: explicit exchange.
 //! - **One site that feels**: tension and length at the end of the interval are found together, by trying
 //!   tensions from the same start until the activation answers with the one that was tried. The answer falls
@@ -11,7 +11,7 @@
 //! - **A site for each triangle, in time**: within the interval the tension of each triangle follows its own
 //!   stretch and rate by the activation's tangent, in every step of the masses ([`Following`]). The time step
 //!   is stable under the steepest tangent that the activation states
-//!   ([`crate::exchange::ActivationBounds`]). At the end the activation moves on under what was felt; where the
+//!   ([`crate::exchange::ActivationBounds`]). At the end the activation moves on under that stretch; where the
 //!   tangent has missed its answer by more than a thousandth of the strongest tension, the interval is
 //!   repeated with the tangent there.
 //! - **A site for each triangle, at equilibrium**: the tangent joins the mesh's own, and the equilibrium
@@ -19,7 +19,7 @@
 
 use super::StopReason;
 use super::held::Held;
-use super::observer::{Observer, Part};
+use super::observer::{RunObserver, RunPart};
 use crate::exchange::{
     Activation, ActivationBounds, ActivationError, ActivationTangent, Sites, StretchState,
 };
@@ -36,7 +36,7 @@ pub(super) trait Shaping {
     /// Goes back to the state that was remembered.
     fn back(&mut self);
     /// Stretch of the whole cell now, or that of each triangle along its fibre where the activation has its sites there.
-    fn felt(&self) -> Vec<f64>;
+    fn stretch_now(&self) -> Vec<f64>;
 }
 
 /// Most tries of an exchange that is found by trying.
@@ -171,7 +171,7 @@ impl<'a> Coupler<'a> {
         if shaping.is_static() {
             self.activation.at_equilibria();
         }
-        self.stretch = shaping.felt();
+        self.stretch = shaping.stretch_now();
         if self.activation.tangent().is_some() {
             let (stretch, rate) = (self.stretch.clone(), self.rate.clone());
             self.ask(0.0, &stretch, &rate)?;
@@ -181,7 +181,7 @@ impl<'a> Coupler<'a> {
                 Sites::PerElement(_) => self.rest_together(0.0, shaping)?,
             }
             self.activation.keep();
-            self.stretch = shaping.felt();
+            self.stretch = shaping.stretch_now();
         }
         self.interval = self.every;
         Ok(())
@@ -192,9 +192,9 @@ impl<'a> Coupler<'a> {
         &mut self,
         time: f64,
         shaping: &mut impl Shaping,
-        observer: &mut dyn Observer,
+        observer: &mut dyn RunObserver,
     ) -> Result<(), StopReason> {
-        observer.begins(Part::Cell);
+        observer.begins(RunPart::Cell);
         let feels = self.activation.tangent().is_some();
         let from_rest_to_rest =
             feels && shaping.is_static() && matches!(self.activation.sites(), Sites::PerElement(_));
@@ -205,7 +205,7 @@ impl<'a> Coupler<'a> {
             let (stretch, rate) = (self.stretch.clone(), self.rate.clone());
             self.ask(time, &stretch, &rate)?;
         }
-        observer.begins(Part::Mechanics);
+        observer.begins(RunPart::Mechanics);
         match (feels, self.activation.sites()) {
             (false, _) => {
                 shaping.follow(time, [self.tension.tension(), self.activation.tension()])?;
@@ -218,7 +218,7 @@ impl<'a> Coupler<'a> {
             (true, Sites::PerElement(_)) => self.move_together(time, shaping)?,
         }
         self.activation.keep();
-        let now = shaping.felt();
+        let now = shaping.stretch_now();
         self.rate = self.rates(&now);
         self.stretch = now;
         Ok(())
@@ -245,7 +245,7 @@ impl<'a> Coupler<'a> {
             shaping.back();
             let from = if goes_evenly { start } else { tension };
             shaping.follow(time, [from.into(), tension.into()])?;
-            let stretch = shaping.felt();
+            let stretch = shaping.stretch_now();
             let rate = this.rates(&stretch);
             this.ask(time, &stretch, &rate)?;
             Ok(this.activation.tension().at(0) - tension)
@@ -345,7 +345,7 @@ impl<'a> Coupler<'a> {
             let start = Following { tension: &before, stretch: &from, rate: &from_rate, ..law };
             shaping.back();
             shaping.follow(time, [Tension::Following(start), Tension::Following(law)])?;
-            about = shaping.felt();
+            about = shaping.stretch_now();
             rate = self.rates(&about);
             self.ask(time, &about, &rate)?;
             let answer = self.activation.tension();
@@ -379,7 +379,7 @@ impl<'a> Coupler<'a> {
             let law = self.law(&about, &still, true);
             shaping.back();
             shaping.follow(time, [self.tension.tension(), Tension::Following(following(&law))])?;
-            let now = shaping.felt();
+            let now = shaping.stretch_now();
             change = now.iter().zip(&about).fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs()));
             let rate = self.rates(&now);
             self.ask(time, &now, &rate)?;

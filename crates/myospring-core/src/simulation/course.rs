@@ -1,7 +1,7 @@
 //! The loop of a run: activation and mesh meet every exchange interval, and what is recorded of them.
 
 use super::coupler::{Coupler, Shaping};
-use super::observer::{Observer, Part, Progress};
+use super::observer::{Progress, RunObserver, RunPart};
 use super::setup::{Assembly, Setup};
 use super::{Simulation, StopReason};
 use crate::cell::Output;
@@ -40,7 +40,7 @@ impl Setup {
     }
 
     /// What the sites of the activation feel of a shape.
-    pub(super) fn felt(&self, positions: &Vectors) -> Vec<f64> {
+    pub(super) fn stretch_at(&self, positions: &Vectors) -> Vec<f64> {
         let Assembly { meter, .. } = &*self.assembly;
         match &self.fibre_stretch {
             Some(fibres) => fibres.stretches(positions),
@@ -57,7 +57,7 @@ impl Setup {
     pub(super) fn run(
         &self,
         shaping: &mut impl Observable,
-        observer: &mut dyn Observer,
+        observer: &mut dyn RunObserver,
     ) -> (Recording, Option<StopReason>) {
         let Simulation { duration, numerics, .. } = &self.simulation;
         let exchange = numerics.exchange_interval;
@@ -94,7 +94,7 @@ impl Setup {
                 stop = Some(reason);
                 break;
             }
-            observer.begins(Part::Recording);
+            observer.begins(RunPart::Recording);
             let tension = meeting.tension.average(&self.volumes);
             let snapshot = || Frame {
                 t_ms: time,

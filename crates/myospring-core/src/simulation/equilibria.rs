@@ -229,7 +229,7 @@ impl Simulation {
 
 /// The answer of a mesh to one tension.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Response {
+pub struct MeshResponse {
     /// Time, ms.
     pub t_ms: f64,
     /// Active tension, kPa.
@@ -341,14 +341,14 @@ impl Equilibria {
     ///
     /// # Errors
     /// A tension outside the range that was solved, or that is no number.
-    pub fn follow(&self, series: &[[f64; 2]]) -> Result<Vec<Response>, OutOfRange> {
+    pub fn follow(&self, series: &[[f64; 2]]) -> Result<Vec<MeshResponse>, OutOfRange> {
         let [lowest, highest] = self.held.shapes.range();
         let one = |(index, &[time, tension]): (usize, &[f64; 2])| {
             if !(lowest..=highest).contains(&tension) {
                 return Err(OutOfRange { index, time, tension, lowest, highest });
             }
             let [length, width, area, elastic_energy, ..] = self.at(tension);
-            Ok(Response {
+            Ok(MeshResponse {
                 t_ms: time,
                 ta_kpa: tension,
                 length_um: length,

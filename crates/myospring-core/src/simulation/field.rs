@@ -7,7 +7,7 @@ use super::coupler::Shaping;
 use super::course::{Observable, Observed};
 use super::fault::{fault, projected_area};
 use super::held::Held;
-use super::observer::{Observer, Progress, Samples};
+use super::observer::{Progress, RunObserver, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::{Assembly, Setup};
 use super::{SetupError, Simulation, StopReason};
@@ -42,7 +42,7 @@ impl PreparedField {
     }
 
     /// As [`PreparedField::run`], for an observer that also hears which part of the work begins.
-    pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
+    pub fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
         let setup = &self.setup;
         let mut solved = [0; 3];
         let (recording, stop) = match FromRestToRest::start(setup, self.tolerance) {
@@ -156,8 +156,8 @@ impl Shaping for FromRestToRest<'_> {
         self.state.clone_from(&self.marked);
     }
 
-    fn felt(&self) -> Vec<f64> {
-        self.setup.felt(&self.state.body.positions)
+    fn stretch_now(&self) -> Vec<f64> {
+        self.setup.stretch_at(&self.state.body.positions)
     }
 }
 

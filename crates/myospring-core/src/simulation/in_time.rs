@@ -4,7 +4,7 @@ use super::coupler::Shaping;
 use super::course::{Observable, Observed};
 use super::fault::{fault, projected_area};
 use super::held::Held;
-use super::observer::{Observer, Progress, Samples};
+use super::observer::{Progress, RunObserver, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::Setup;
 use super::{SAFETY, SetupError, Simulation, StopReason};
@@ -108,7 +108,7 @@ impl Prepared {
     }
 
     /// As [`Prepared::run`], for an observer that also hears which part of the work begins.
-    pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
+    pub fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
         let (steps, recording, stop) = match self.stepper() {
             Ok((stepper, _)) => {
                 let mut shaping = InTime::new(&self.setup, stepper, self.steps_per_exchange);
@@ -222,8 +222,8 @@ impl Shaping for InTime<'_> {
         }
     }
 
-    fn felt(&self) -> Vec<f64> {
-        self.setup.felt(&self.stepper.body().positions)
+    fn stretch_now(&self) -> Vec<f64> {
+        self.setup.stretch_at(&self.stepper.body().positions)
     }
 }
 

@@ -11,7 +11,7 @@ pub struct Progress {
 
 /// What a run is at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum RunPart {
     /// The cell model moves on.
     Cell,
     /// The mesh follows its tension.
@@ -21,18 +21,18 @@ pub enum Part {
 }
 
 /// Watches a run: the library has no clock, but whoever has one can measure each part by this.
-pub trait Observer {
+pub trait RunObserver {
     /// A sample was recorded; `false` stops the run.
     fn sample(&mut self, progress: Progress) -> bool;
 
     /// The run leaves what it was at and begins something else.
-    fn begins(&mut self, _part: Part) {}
+    fn begins(&mut self, _part: RunPart) {}
 }
 
 /// An observer of samples only.
 pub(super) struct Samples<F>(pub(super) F);
 
-impl<F: FnMut(Progress) -> bool> Observer for Samples<F> {
+impl<F: FnMut(Progress) -> bool> RunObserver for Samples<F> {
     fn sample(&mut self, progress: Progress) -> bool {
         self.0(progress)
     }

@@ -1,7 +1,7 @@
 //! How fast a free cell shortens, against cells that were measured.
 
 use super::{Outcome, Ready, Simulation};
-use crate::analysis::beat::{self, Band, Beats, Place};
+use crate::analysis::beat::{self, Band, BandPosition, Beats};
 use crate::cell::{CellModel, KnownDeparture};
 use crate::mechanics::support::SupportKind;
 
@@ -46,13 +46,15 @@ impl Pace {
         });
         let furthest = paces.max_by(|a, b| beyond(a.0).total_cmp(&beyond(b.0)));
         match furthest.map(|(ratio, rate)| (ratio, rate, band.place(ratio))) {
-            None | Some((.., Place::In)) => Self::AsMeasured,
+            None | Some((.., BandPosition::In)) => Self::AsMeasured,
             Some((over_peak, rate, place)) => {
                 let explains = |known: &KnownDeparture| {
                     let published = known.shortening_rate_over_peak;
                     let further = match place {
-                        Place::Below => over_peak < (1.0 - MARGIN) * published,
-                        Place::In | Place::Above => over_peak > (1.0 + MARGIN) * published,
+                        BandPosition::Below => over_peak < (1.0 - MARGIN) * published,
+                        BandPosition::In | BandPosition::Above => {
+                            over_peak > (1.0 + MARGIN) * published
+                        }
                     };
                     band.place(published) == place && !further
                 };
@@ -93,8 +95,8 @@ impl Ready {
         let Pace::Unexplained { over_peak, rate, band } = pace else { return None };
         let Band { low, high, .. } = band;
         let than = match band.place(over_peak) {
-            Place::Below => "no measured cell shortens this slowly",
-            Place::In | Place::Above => "no measured cell shortens this fast",
+            BandPosition::Below => "no measured cell shortens this slowly",
+            BandPosition::In | BandPosition::Above => "no measured cell shortens this fast",
         };
         Some(format!(
             "{than}: {over_peak:.1} 1/s (largest rate over peak; {rate:.2} lengths/s), unloaded adult ventricular myocytes \

@@ -11,7 +11,7 @@ use super::coupler::Shaping;
 use super::course::{Observable, Observed};
 use super::equilibria::{Equilibria, MARGIN, PER_TENSION, Quantities};
 use super::fault::fault;
-use super::observer::{Observer, Progress, Samples};
+use super::observer::{Progress, RunObserver, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::Setup;
 use super::{SettingError, SetupError, Simulation, StopReason};
@@ -99,7 +99,7 @@ impl PreparedPath {
     }
 
     /// As [`PreparedPath::run`], for an observer that also hears which part of the work begins.
-    pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
+    pub fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
         let setup = &self.setup;
         let start = setup.activation.tension().at(0);
         let state = Lagging { tension: start, work: 0.0 };
@@ -193,7 +193,7 @@ impl Shaping for AlongPath<'_> {
         Ok(())
     }
 
-    fn felt(&self) -> Vec<f64> {
+    fn stretch_now(&self) -> Vec<f64> {
         let [length, ..] = self.equilibria.at(self.state.tension);
         vec![self.setup.assembly.stretch(length)]
     }

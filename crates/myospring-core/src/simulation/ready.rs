@@ -1,6 +1,6 @@
 //! A run made ready by the method that its settings name.
 
-use super::observer::{Observer, Samples};
+use super::observer::{RunObserver, Samples};
 use super::outcome::Outcome;
 use super::setup::Setup;
 use super::{Prepared, PreparedField, PreparedPath, Progress, SetupError, Simulation};
@@ -105,7 +105,7 @@ impl Ready {
     }
 
     /// As [`Ready::run`], for an observer that also hears which part of the work begins.
-    pub fn run_observed(&self, observer: &mut dyn Observer) -> Outcome {
+    pub fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
         match self {
             Self::InTime(prepared) => prepared.run_observed(observer),
             Self::AlongPath(prepared) => prepared.run_observed(observer),

@@ -9,7 +9,7 @@ use crate::cell::{self, TensionKind};
 use crate::exchange::{Activation, ActivationBounds, ByTriangle, Sites, WholeCell};
 use crate::integrate::quasi_static::{Path, Tolerance};
 use crate::mechanics::active::{FibreStretch, Myofibrils};
-use crate::mechanics::grip::LoadedGrip;
+use crate::mechanics::loaded_end::LoadedEnd;
 use crate::mechanics::material::assemble;
 use crate::mechanics::support::{Support, SupportKind};
 use crate::mechanics::{Body, Configuration, Following, System, Tension, Vectors, zeros};
@@ -247,7 +247,7 @@ impl Simulation {
         );
         body.positions.clone_from(&held.body.positions);
         let spring = self.material.spring_stiffness(SpringKind::Axial);
-        let grip = LoadedGrip::new(&self.mesh, self.long_axis, &body.positions, spring, load);
+        let grip = LoadedEnd::new(&self.mesh, self.long_axis, &body.positions, spring, load);
         system.passive.push(Box::new(grip));
         let (meter, ends) = (meter.clone(), ends.clone());
         Some(Assembly {

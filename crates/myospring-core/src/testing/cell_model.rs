@@ -1,9 +1,9 @@
 //! What every [`CellModel`] must hold to.
 
-use crate::analysis::beat::{self, Place};
+use crate::analysis::beat::{self, BandPosition};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::{Protocol, Stimulus};
-use crate::cell::solve::{Settings, SolveError, reference_beat, solve};
+use crate::cell::solve::{SolveError, SolverSettings, reference_beat, solve};
 use crate::cell::{self, CellModel, Gate, Input, KnownDeparture, TensionKind, is_as_published};
 use std::sync::Arc;
 
@@ -20,14 +20,14 @@ use std::sync::Arc;
 /// ```
 pub fn check_cell_model(model: impl CellModel) {
     let model: Arc<dyn CellModel> = Arc::new(model);
-    check_cell_model_with(&model, Settings::default());
+    check_cell_model_with(&model, SolverSettings::default());
 }
 
 /// As [`check_cell_model`], for a model that needs other numerical settings.
 ///
 /// # Panics
 /// At the first broken promise, with the model's name and what is wrong.
-pub fn check_cell_model_with(model: &Arc<dyn CellModel>, settings: Settings) {
+pub fn check_cell_model_with(model: &Arc<dyn CellModel>, settings: SolverSettings) {
     check_description(&**model);
     check_parameters(&**model);
     check_states(&**model);
@@ -61,7 +61,7 @@ fn check_description(model: &dyn CellModel) {
     {
         let band = beat::band("shortening_rate_over_peak");
         assert!(
-            band.is_some_and(|band| band.place(rate) != Place::In),
+            band.is_some_and(|band| band.place(rate) != BandPosition::In),
             "{name}: {rate} 1/s lies within the band, so there is nothing to be said of it"
         );
         assert!(!fact.trim().is_empty() && !fact.ends_with('.'), "{name}: `{fact}`");
@@ -280,7 +280,7 @@ fn check_outputs(model: &dyn CellModel, state: &[f64]) {
 }
 
 /// The default beat raises a peak of tension above rest, and the settings are converged.
-fn check_beat(model: &(dyn CellModel + 'static), settings: Settings) {
+fn check_beat(model: &(dyn CellModel + 'static), settings: SolverSettings) {
     let name = model.name();
     if model.tension_kind() == TensionKind::None {
         let error = reference_beat(model, settings).err();
@@ -312,8 +312,8 @@ fn check_beat(model: &(dyn CellModel + 'static), settings: Settings) {
         beat.peak_time_ms
     );
     let protocol = Protocol::once(model.default_stimulus());
-    let Settings { method, step_ms, tolerance } = settings;
-    let finer = Settings { method, step_ms: step_ms / 2.0, tolerance: tolerance / 10.0 };
+    let SolverSettings { method, step_ms, tolerance } = settings;
+    let finer = SolverSettings { method, step_ms: step_ms / 2.0, tolerance: tolerance / 10.0 };
     let fine = solve(model, protocol, finer, 600.0, 0.1).ok().and_then(|t| t.peak_tension());
     let Some(fine) = fine else { panic!("{name}: the default beat fails at half the step") };
     // Thresholds leave the method of order 1; a tension that hangs on the height of the upstroke moves
@@ -323,7 +323,7 @@ fn check_beat(model: &(dyn CellModel + 'static), settings: Settings) {
 }
 
 /// Many short advances and one long one reach the same bits.
-fn check_pieces(model: &Arc<dyn CellModel>, settings: Settings) {
+fn check_pieces(model: &Arc<dyn CellModel>, settings: SolverSettings) {
     let name = model.name();
     if model.feels_stretch() && settings.method.chooses_steps() {
         return;

@@ -1,6 +1,6 @@
 //! What a reader of a motion must know before the numbers are used.
 
-use super::{FEWEST_PARTS, Motion};
+use super::{CellMotion, FEWEST_PARTS};
 
 /// Share of interpolated points from which on the user is told, per cent.
 const MANY_INTERPOLATED_PCT: f64 = 30.0;
@@ -10,7 +10,7 @@ const UNSEEN: f64 = 0.5;
 /// Part of its excursion by which a cell may be longer than at rest.
 const LONGER: f64 = 0.5;
 
-impl Motion {
+impl CellMotion {
     /// Indices of the frames in which at least half of the points were found, or of all frames if there is none. Only
     /// these count for the largest contraction: a black or blurred frame shows no motion of the cell.
     pub fn seen_frames(&self) -> Vec<usize> {

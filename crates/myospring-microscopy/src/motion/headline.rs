@@ -6,7 +6,7 @@
 //! the distance between the ends does not follow the strain of the whole cell (a cell held at its
 //! ends, a tissue between posts, a cell that contracts across its long axis).
 
-use super::{Motion, Stretches};
+use super::{CellMotion, Stretches};
 use myospring_core::mesh::ends::end_points;
 use myospring_core::mesh::quality::long_axis;
 use std::fmt;
@@ -28,9 +28,9 @@ const LEAST_ERRORS: f64 = 4.0;
 /// The measure of a cell's contraction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
-    /// Its length: [`Motion::lengths_um`].
+    /// Its length: [`CellMotion::lengths_um`].
     Length,
-    /// The smaller principal stretch of the whole cell: [`Motion::stretches`].
+    /// The smaller principal stretch of the whole cell: [`CellMotion::stretches`].
     Stretch,
 }
 
@@ -126,7 +126,7 @@ impl Headline {
     }
 }
 
-impl Motion {
+impl CellMotion {
     /// Chooses the measure of contraction for this film; see [`Measure`].
     pub fn headline(&self) -> Headline {
         let seen = self.seen_frames();

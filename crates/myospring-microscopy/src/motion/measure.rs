@@ -1,6 +1,6 @@
 //! Length, width, area and stretches of the whole cell, defined as for a simulated beat.
 
-use super::Motion;
+use super::CellMotion;
 use myospring_core::analysis::shape::{Extent, ShapeMeter};
 use myospring_core::mesh::quality::long_axis;
 use myospring_core::mesh::simplex::measure_at;
@@ -46,7 +46,7 @@ impl Stretches {
     }
 }
 
-impl Motion {
+impl CellMotion {
     /// Number of frames that were followed.
     pub fn len(&self) -> usize {
         self.times_ms.len()
@@ -92,7 +92,7 @@ impl Motion {
         (0..self.len()).map(|frame| meter.measure(&self.positions(frame))).collect()
     }
 
-    /// Length of the cell in each frame, um; see [`Motion::extents`].
+    /// Length of the cell in each frame, um; see [`CellMotion::extents`].
     pub fn lengths_um(&self) -> Vec<f64> {
         self.extents().into_iter().map(|extent| extent.length).collect()
     }
@@ -187,7 +187,7 @@ impl Motion {
         if seen.iter().sum::<f64>() >= least { seen } else { areas.clone() }
     }
 
-    /// Principal stretches of the whole cell in each frame; see [`Motion::mean_deformations`].
+    /// Principal stretches of the whole cell in each frame; see [`CellMotion::mean_deformations`].
     pub fn stretches(&self) -> Vec<Stretches> {
         self.mean_deformations().into_iter().map(Stretches::of).collect()
     }

@@ -1,6 +1,6 @@
 //! Mean length of the sarcomeres, with its uncertainty.
 
-use super::Motion;
+use super::CellMotion;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// A number and its 95 % interval.
@@ -25,7 +25,7 @@ impl Estimate {
     }
 }
 
-impl Motion {
+impl CellMotion {
     /// Mean length of the sarcomeres, um, in the followed frame with index `at`; `None` if stripes
     /// were read in too few parts of the cell.
     pub fn sarcomere_length_um(&self, at: usize) -> Option<Estimate> {

@@ -9,7 +9,9 @@ use super::confidence::Candidate;
 use super::grain::{Grain, noise_of};
 use super::ladder::Climbed;
 use super::parting::Seen;
-use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
+use super::{
+    Confidence, Found, Modality, SegmentError, Segmentation, SegmentationSettings, Working,
+};
 use crate::filter::{self, otsu, quantile, sample};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};
@@ -61,7 +63,7 @@ const GRAIN: [f64; 2] = [0.03, 0.09];
 pub(super) fn segment(
     plane: &Plane,
     pixel_size: PixelSize,
-    settings: &Settings,
+    settings: &SegmentationSettings,
     texture: &Climbed,
 ) -> Result<Segmentation, SegmentError> {
     let interruption = &settings.interruption;

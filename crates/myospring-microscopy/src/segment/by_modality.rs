@@ -3,8 +3,8 @@
 use super::fluorescence::Bright;
 use super::ladder::Climbed;
 use super::{
-    Modality, SegmentError, Segmentation, Settings, Working, brightfield, evidence, fluorescence,
-    labels, modality,
+    Modality, SegmentError, Segmentation, SegmentationSettings, Working, brightfield, evidence,
+    fluorescence, labels, modality,
 };
 use crate::plane::Plane;
 use myospring_core::mesh::pixel_size::PixelSize;
@@ -21,20 +21,20 @@ const SMOOTH_UM: [f64; 2] = [0.0, 20.0];
 /// ```
 /// use myospring::mesh::pixel_size::PixelSize;
 /// use myospring::microscopy::plane::Plane;
-/// use myospring::microscopy::segment::{Choice, Settings, segment};
+/// use myospring::microscopy::segment::{Choice, SegmentationSettings, segment};
 /// // A bright disc of radius 20 um on a dark ground, pixels of 0.5 um.
 /// let value = |x: f64, y: f64| if (x - 60.0).hypot(y - 60.0) < 40.0 { 900.0 } else { 100.0 };
 /// let values = (0..120 * 120).map(|at| value(f64::from(at % 120), f64::from(at / 120)) as f32);
 /// let plane = Plane::new(120, 120, values.collect()).unwrap();
 /// let pixel = PixelSize::new(0.5).unwrap();
-/// let cells = segment(&plane, pixel, &Settings::default()).unwrap();
+/// let cells = segment(&plane, pixel, &SegmentationSettings::default()).unwrap();
 /// let cell = cells.choose(Choice::Largest, false).unwrap();
 /// assert!((cell.area_um2 / 1256.6 - 1.0).abs() < 0.05);
 /// ```
 pub fn segment(
     plane: &Plane,
     pixel_size: PixelSize,
-    settings: &Settings,
+    settings: &SegmentationSettings,
 ) -> Result<Segmentation, SegmentError> {
     let interruption = &settings.interruption;
     interruption.check()?;
@@ -64,7 +64,7 @@ pub fn segment(
 fn told_apart(
     plane: &Plane,
     pixel_size: PixelSize,
-    settings: &Settings,
+    settings: &SegmentationSettings,
     working: Working,
 ) -> Result<Segmentation, SegmentError> {
     let texture = Climbed::by_texture(&working, settings.smallest_cell_um2)?;
@@ -102,7 +102,7 @@ fn told_apart(
 }
 
 /// Whether a plane is segmented as a mask: as stated, or determined from its values.
-pub(crate) fn is_taken_for_mask(plane: &Plane, settings: &Settings) -> bool {
+pub(crate) fn is_taken_for_mask(plane: &Plane, settings: &SegmentationSettings) -> bool {
     match settings.modality {
         Modality::Mask => true,
         Modality::Auto => modality::is_mask(plane),
@@ -110,7 +110,7 @@ pub(crate) fn is_taken_for_mask(plane: &Plane, settings: &Settings) -> bool {
     }
 }
 
-fn check(plane: &Plane, settings: &Settings) -> Result<(), SegmentError> {
+fn check(plane: &Plane, settings: &SegmentationSettings) -> Result<(), SegmentError> {
     if let Some(at) = plane.values().iter().position(|value| !value.is_finite()) {
         let (column, row) = (at % plane.width(), at / plane.width());
         return Err(SegmentError::NotFinite { column, row, value: plane.values()[at] });

@@ -5,7 +5,9 @@ use super::evidence::SMOOTH_UM;
 use super::ladder::{Climbed, Rough};
 use super::parting::Seen;
 use super::tissue::Tissue;
-use super::{Confidence, Found, Modality, SegmentError, Segmentation, Settings, Working};
+use super::{
+    Confidence, Found, Modality, SegmentError, Segmentation, SegmentationSettings, Working,
+};
 use crate::filter::{self, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};
@@ -38,7 +40,10 @@ pub(super) struct Bright {
 
 impl Bright {
     /// Finds the objects that are brighter than their surroundings.
-    pub(super) fn of(working: Working, settings: &Settings) -> Result<Self, Interrupted> {
+    pub(super) fn of(
+        working: Working,
+        settings: &SegmentationSettings,
+    ) -> Result<Self, Interrupted> {
         let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
         let climbed = Climbed::by_brightness(&working, smooth_um, settings.smallest_cell_um2)?;
         Ok(Self { working, smooth_um, climbed })
@@ -46,7 +51,7 @@ impl Bright {
 
     /// The outlines on the finer grid: where brightness crosses the level that explains the cell
     /// best, and half of the largest brightness nearby.
-    fn region(&self, settings: &Settings) -> Result<Region, Interrupted> {
+    fn region(&self, settings: &SegmentationSettings) -> Result<Region, Interrupted> {
         let Self { working, climbed: Climbed { evidence, levels, grid, rough, .. }, .. } = self;
         let (width, height) = (levels.width(), levels.height());
         let pixel = working.pixel_um;
@@ -78,7 +83,7 @@ impl Bright {
     }
 
     /// The region without specks, gaps, holes and spikes.
-    fn tidied(&self, region: &Region, settings: &Settings) -> Region {
+    fn tidied(&self, region: &Region, settings: &SegmentationSettings) -> Region {
         let pixel = self.working.pixel_um;
         let smallest = settings.smallest_cell_um2 / pixel.powi(2);
         // Specks first, so that they are not joined to the cell or to each other.
@@ -137,7 +142,7 @@ pub(super) fn segment(
     bright: Bright,
     plane: &Plane,
     pixel_size: PixelSize,
-    settings: &Settings,
+    settings: &SegmentationSettings,
 ) -> Result<Segmentation, SegmentError> {
     let region = bright.region(settings)?;
     let Bright { working, climbed, smooth_um } = bright;

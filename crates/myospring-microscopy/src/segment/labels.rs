@@ -3,7 +3,9 @@
 use myospring_core::mesh::pixel_size::PixelSize;
 use std::collections::BTreeMap;
 
-use super::{Cell, Confidence, LARGEST_LABEL, Modality, SegmentError, Segmentation, modality};
+use super::{
+    Confidence, LARGEST_LABEL, Modality, SegmentError, Segmentation, SegmentedCell, modality,
+};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region};
 
@@ -74,7 +76,7 @@ pub(super) fn segment(plane: &Plane, pixel_size: PixelSize) -> Result<Segmentati
             on_frame[number as usize] += 1;
         }
     }
-    let cell = |(number, &(mark, pixels)): (u32, &(u32, usize))| Cell {
+    let cell = |(number, &(mark, pixels)): (u32, &(u32, usize))| SegmentedCell {
         number,
         label: if by_value { Some(mark) } else { only }.filter(|_| whole),
         pixels,

@@ -15,14 +15,14 @@ pub(super) const COLOURS: usize = 64;
 
 /// A cell as it is drawn: its outline, filled with the colours of a field.
 #[derive(Debug, Clone)]
-pub struct Cell<'a> {
+pub struct DrawnCell<'a> {
     fields: Fields<'a>,
     skin: Skin,
     field: Field,
     limits: Option<[f64; 2]>,
 }
 
-impl<'a> Cell<'a> {
+impl<'a> DrawnCell<'a> {
     /// A cell with its fields and its outline at rest, um, which moves with its lattice. Without an
     /// outline, or if its mesh is not a lattice, the rim of the mesh is drawn.
     ///

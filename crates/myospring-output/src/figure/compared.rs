@@ -14,7 +14,7 @@ pub type Rings<'a> = &'a [Vec<[f64; 2]>];
 
 /// A run to compare.
 #[derive(Debug, Clone, Copy)]
-pub struct Compared<'a> {
+pub struct ComparedRun<'a> {
     /// Its name in the legend.
     pub label: &'a str,
     /// Its curves.
@@ -40,7 +40,7 @@ const LETTERS: [&str; 6] = ["A", "B", "C", "D", "E", "F"];
 ///
 /// # Errors
 /// No run, or one without a finite sample.
-pub fn compared(runs: &[Compared<'_>]) -> Result<Figure, FigureError> {
+pub fn compared(runs: &[ComparedRun<'_>]) -> Result<Figure, FigureError> {
     if runs.is_empty() {
         return Err(FigureError::Nothing { what: "runs" });
     }
@@ -75,7 +75,7 @@ fn line_of(index: usize) -> Stroke {
 }
 
 /// Draws the legend, with the greatest shortening of each run; returns its lower end, px.
-fn draw_legend(sheet: &mut Sheet, runs: &[Compared<'_>]) -> f64 {
+fn draw_legend(sheet: &mut Sheet, runs: &[ComparedRun<'_>]) -> f64 {
     let texts: Vec<String> = runs
         .iter()
         .map(|run| match peak(&points(run.recording, &SHORTENING)) {
@@ -98,7 +98,7 @@ fn draw_legend(sheet: &mut Sheet, runs: &[Compared<'_>]) -> f64 {
 /// Draws the charts above each other; returns the lower end of the last with its labels, px.
 fn draw_curves(
     sheet: &mut Sheet,
-    runs: &[Compared<'_>],
+    runs: &[ComparedRun<'_>],
     quantities: &[Quantity],
     [right, top]: [f64; 2],
 ) -> Result<f64, FigureError> {

@@ -3,7 +3,7 @@
 
 pub(super) mod gif;
 
-use super::cell::{COLOURS, Cell, closed, draw_colour_bar};
+use super::cell::{COLOURS, DrawnCell, closed, draw_colour_bar};
 use super::facets::check_frame;
 use super::moments::LEAST_SHORTENING;
 use super::raster::painted;
@@ -28,8 +28,8 @@ const CURVE: f64 = 40.0;
 
 /// A film of one beat: the cell in its outline, the time, a scale bar, the colours and the shortening so far.
 #[derive(Debug, Clone)]
-pub struct Film<'a> {
-    cell: &'a Cell<'a>,
+pub struct BeatFilm<'a> {
+    cell: &'a DrawnCell<'a>,
     recording: &'a Recording,
     frames: Vec<&'a Frame>,
     colours: ColourScale,
@@ -42,13 +42,13 @@ pub struct Film<'a> {
     high: [f64; 2],
 }
 
-impl<'a> Film<'a> {
+impl<'a> BeatFilm<'a> {
     /// The first beat of a recording, up to its second stimulus or to its end, at most 2 s; `slowed` 1 is real time.
     ///
     /// # Errors
     /// No frame with finite positions, frames of another mesh, or a factor that is not at least 1.
     pub fn new(
-        cell: &'a Cell<'a>,
+        cell: &'a DrawnCell<'a>,
         recording: &'a Recording,
         stimulus_times_ms: &[f64],
         slowed: f64,
@@ -208,7 +208,7 @@ impl<'a> Film<'a> {
         Ok((even.map(|side| side as u32), colours))
     }
 
-    /// A frame as needed by [`Film::gif`]: one byte per pixel. Frames are independent of each
+    /// A frame as needed by [`BeatFilm::gif`]: one byte per pixel. Frames are independent of each
     /// other.
     ///
     /// # Errors
@@ -226,7 +226,7 @@ impl<'a> Film<'a> {
     /// # Example
     /// ```
     /// use myospring::output::field::Fields;
-    /// use myospring::output::figure::{Cell, Film, Theme};
+    /// use myospring::output::figure::{DrawnCell, BeatFilm, Theme};
     /// use myospring::prelude::*;
     /// let simulation = Simulation::new(built_in::adult_ventricular_mesh());
     /// # let mut simulation = simulation;
@@ -234,8 +234,8 @@ impl<'a> Film<'a> {
     /// let recording = simulation.build()?.run(|_| true).recording;
     /// let fields = Fields::new(&simulation.mesh, &simulation.fibres, None)?;
     /// let outline = built_in::adult_ventricular();
-    /// let cell = Cell::new(fields, Some(&outline))?;
-    /// let film = Film::new(&cell, &recording, &[50.0], 5.0, Theme::Light)?;
+    /// let cell = DrawnCell::new(fields, Some(&outline))?;
+    /// let film = BeatFilm::new(&cell, &recording, &[50.0], 5.0, Theme::Light)?;
     /// let stills: Vec<_> = (0..3).map(|index| film.still(index)).collect::<Result<_, _>>()?;
     /// assert!(film.gif(&stills)?.starts_with(b"GIF89a"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())

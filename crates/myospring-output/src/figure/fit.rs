@@ -30,7 +30,7 @@ const MEASURED: Colour = MUTED;
 
 /// A measured curve with the fitted one.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FittedCurve {
+pub struct DrawnFit {
     /// The measured quantity, with its unit.
     pub label: String,
     /// Its unit alone, for the residual.
@@ -72,7 +72,7 @@ pub struct LikelihoodProfile {
 ///
 /// # Errors
 /// No curve, or one without a finite frame.
-pub fn fit(curves: &[FittedCurve], profiles: &[LikelihoodProfile]) -> Result<Figure, FigureError> {
+pub fn fit(curves: &[DrawnFit], profiles: &[LikelihoodProfile]) -> Result<Figure, FigureError> {
     if curves.is_empty() {
         return Err(FigureError::Nothing { what: "fitted curves" });
     }
@@ -163,13 +163,13 @@ fn draw_profile(
     sheet.point(chart.at([profile.value, 0.0]), 2.4, SHORTENING);
 }
 
-fn fitted(curve: &FittedCurve) -> Curve {
+fn fitted(curve: &DrawnFit) -> Curve {
     let points = curve.times_ms.iter().zip(&curve.fitted).map(|(time, value)| [*time, *value]);
     Curve { points: points.collect(), colour: SHORTENING, dash: None }
 }
 
 /// A curve and, below it, its residual.
-fn pair(curve: &FittedCurve, top: f64) -> Result<(Chart, Chart), FigureError> {
+fn pair(curve: &DrawnFit, top: f64) -> Result<(Chart, Chart), FigureError> {
     let ends = |values: &mut dyn Iterator<Item = f64>| {
         values
             .filter(|value| value.is_finite())
@@ -215,7 +215,7 @@ fn pair(curve: &FittedCurve, top: f64) -> Result<(Chart, Chart), FigureError> {
 
 /// Fills the area between the smoothed measured curve and the fitted one, and draws their smoothed
 /// difference below.
-fn misfit(sheet: &mut Sheet, [above, below]: [&Chart; 2], curve: &FittedCurve) {
+fn misfit(sheet: &mut Sheet, [above, below]: [&Chart; 2], curve: &DrawnFit) {
     let frames: Vec<usize> = (0..curve.times_ms.len())
         .filter(|&at| curve.used[at] && curve.measured[at].is_finite())
         .collect();
@@ -301,7 +301,7 @@ mod tests {
     use super::*;
 
     /// A curve with a fit beside it, of so many frames.
-    fn curve(frames: usize, scale: f64, unit: &str) -> FittedCurve {
+    fn curve(frames: usize, scale: f64, unit: &str) -> DrawnFit {
         let beat = |at: usize| {
             let time = at as f64 / frames as f64;
             scale * (100.0 - 10.0 * (8.0 * time * (1.0 - 8.0 * time).exp()))
@@ -309,7 +309,7 @@ mod tests {
         let fitted: Vec<f64> = (0..frames).map(beat).collect();
         let measured =
             fitted.iter().enumerate().map(|(at, v)| v + scale * (at as f64).sin()).collect();
-        FittedCurve {
+        DrawnFit {
             label: format!("Length ({unit})"),
             unit: unit.to_owned(),
             times_ms: (0..frames).map(|at| 4.0 * at as f64).collect(),

@@ -1,7 +1,7 @@
 //! One shape of a cell, coloured by several quantities, side by side: maps and their uncertainty,
 //! measured and simulated.
 
-use super::cell::{Cell, closed, draw_titled_bar};
+use super::cell::{DrawnCell, closed, draw_titled_bar};
 use super::font::text_width;
 use super::shapes::{ELONGATED, draw_scale_bar, extremes};
 use super::sheet::{Anchor, Area, Sheet, Stroke, Style};
@@ -54,7 +54,11 @@ impl Map<'_> {
 ///
 /// # Errors
 /// No map, or one of another mesh or with positions that are not finite.
-pub fn maps(cell: &Cell<'_>, maps: &[Map<'_>], least: Option<f64>) -> Result<Figure, FigureError> {
+pub fn maps(
+    cell: &DrawnCell<'_>,
+    maps: &[Map<'_>],
+    least: Option<f64>,
+) -> Result<Figure, FigureError> {
     if maps.is_empty() {
         return Err(FigureError::Nothing { what: "maps" });
     }
@@ -138,7 +142,7 @@ pub fn maps(cell: &Cell<'_>, maps: &[Map<'_>], least: Option<f64>) -> Result<Fig
 /// # Errors
 /// Positions of another mesh, or that are not finite.
 pub fn no_map(
-    cell: &Cell<'_>,
+    cell: &DrawnCell<'_>,
     positions: &[Vec<f64>; 2],
     why: &str,
 ) -> Result<Figure, FigureError> {

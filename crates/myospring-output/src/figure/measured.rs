@@ -300,7 +300,7 @@ fn numbers(sheet: &mut Sheet, curve: &Measured, [left, top]: [f64; 2]) {
 mod tests {
     use super::super::theme::MISSED;
     use super::*;
-    use myospring_core::analysis::curve::{Options, analyse};
+    use myospring_core::analysis::curve::{CurveOptions, analyse};
 
     fn drawn(kind: Kind, unit: &'static str, beat: [f64; 3], scale: f64) -> Figure {
         let [cycle, up, back] = beat;
@@ -313,7 +313,7 @@ mod tests {
             if kind.rises() == Some(false) { scale * (10.0 - pulse) } else { scale * (1.0 + pulse) }
         };
         let values: Vec<f64> = times.iter().map(value).collect();
-        let analysis = analyse(&times, &values, kind, unit, &Options::default()).unwrap();
+        let analysis = analyse(&times, &values, kind, unit, &CurveOptions::default()).unwrap();
         measured(&Measured {
             title: "cell",
             kind,
@@ -350,7 +350,7 @@ mod tests {
         let value = |t: &f64| 1.0 + beats.iter().map(|begin| pulse(t - begin)).fold(0.0, f64::max);
         let values: Vec<f64> = times.iter().map(value).collect();
         let of = |stimuli: &[f64]| {
-            let options = Options { stimuli_ms: stimuli.to_vec(), ..Options::default() };
+            let options = CurveOptions { stimuli_ms: stimuli.to_vec(), ..CurveOptions::default() };
             let analysis = analyse(&times, &values, Kind::Calcium, "uM", &options).unwrap();
             let curve = Measured {
                 title: "cell",

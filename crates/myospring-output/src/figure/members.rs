@@ -6,7 +6,7 @@ mod scatter;
 mod trace_bands;
 
 pub use distributions::{Distribution, distributions};
-pub use responses::{Response, ResponseMap, response_map, responses};
+pub use responses::{MemberResponse, ResponseMap, response_map, responses};
 pub use scatter::{Scatter, scatter};
 pub use trace_bands::{QUANTILES, TraceBand, trace_bands};
 

@@ -1,6 +1,6 @@
 //! One run in one figure: the cell at rest and at its peak, beside its curves.
 
-use super::cell::Cell;
+use super::cell::DrawnCell;
 use super::moments::key_shapes;
 use super::shapes::{Gallery, HEAD};
 use super::sheet::Sheet;
@@ -18,7 +18,7 @@ use myospring_core::recording::Recording;
 /// A recording without samples or frames, or frames that [`cell_shapes`](super::cell_shapes)
 /// rejects.
 pub fn overview(
-    cell: &Cell<'_>,
+    cell: &DrawnCell<'_>,
     recording: &Recording,
     stimulus_times_ms: &[f64],
 ) -> Result<Figure, FigureError> {

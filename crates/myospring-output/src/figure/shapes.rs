@@ -1,6 +1,6 @@
 //! The cell at several times, coloured by a field (the paper's Fig. 5).
 
-use super::cell::{Cell, closed, draw_colour_bar};
+use super::cell::{DrawnCell, closed, draw_colour_bar};
 use super::facets::check_frame;
 use super::moments::Shape;
 use super::sheet::{Anchor, Area, Sheet, Stroke, Style};
@@ -16,7 +16,7 @@ pub(super) const ELONGATED: f64 = 2.2;
 
 /// Everything that the shapes of one figure share.
 pub(super) struct Gallery<'a> {
-    cell: &'a Cell<'a>,
+    cell: &'a DrawnCell<'a>,
     shapes: &'a [Shape<'a>],
     colours: ColourScale,
     /// Corners of the bounding box of all shapes, including that at rest, um.
@@ -25,7 +25,10 @@ pub(super) struct Gallery<'a> {
 }
 
 impl<'a> Gallery<'a> {
-    pub(super) fn new(cell: &'a Cell<'a>, shapes: &'a [Shape<'a>]) -> Result<Self, FigureError> {
+    pub(super) fn new(
+        cell: &'a DrawnCell<'a>,
+        shapes: &'a [Shape<'a>],
+    ) -> Result<Self, FigureError> {
         if shapes.is_empty() {
             return Err(FigureError::Nothing { what: "frames" });
         }
@@ -99,7 +102,7 @@ impl<'a> Gallery<'a> {
 
 /// Corners of the bounding box of the outline over some shapes, um.
 pub(super) fn extremes<'f>(
-    cell: &Cell<'_>,
+    cell: &DrawnCell<'_>,
     shapes: impl IntoIterator<Item = &'f [Vec<f64>; 2]>,
 ) -> [[f64; 2]; 2] {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -133,7 +136,7 @@ pub(super) fn draw_scale_bar(sheet: &mut Sheet, [x, y]: [f64; 2], scale: f64, ex
 ///
 /// # Errors
 /// No shape, or a frame of another mesh or with positions that are not finite.
-pub fn cell_shapes(cell: &Cell<'_>, shapes: &[Shape<'_>]) -> Result<Figure, FigureError> {
+pub fn cell_shapes(cell: &DrawnCell<'_>, shapes: &[Shape<'_>]) -> Result<Figure, FigureError> {
     let gallery = Gallery::new(cell, shapes)?;
     Ok(if gallery.is_elongated() { stacked(&gallery) } else { side_by_side(&gallery) })
 }

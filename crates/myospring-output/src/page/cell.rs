@@ -27,7 +27,7 @@ const UNSEEN: f64 = 1.0 / 4000.0;
 
 /// Cells that beat, with the curves that go with them.
 #[derive(Debug, Clone)]
-pub struct Beat<'a> {
+pub struct BeatingCells<'a> {
     /// What the cells are coloured by until somebody chooses.
     pub colour: Field,
     /// One cell, or several that are compared with the first.

@@ -1,7 +1,7 @@
 //! Charts over time, with no more samples than a screen shows.
 
 use crate::digits::rounded;
-use crate::figure::{FittedCurve, Measured, around, shown};
+use crate::figure::{DrawnFit, Measured, around, shown};
 use myospring_core::analysis::curve::{Analysis, Mark, State};
 use myospring_core::analysis::kind::Family;
 use serde::Serialize;
@@ -197,8 +197,8 @@ impl Chart {
     }
 
     /// A measured curve with the one that was fitted to it, and below it the residual.
-    pub fn of_fit(curve: &FittedCurve, several: bool) -> [Self; 2] {
-        let FittedCurve { label, unit, times_ms, measured, fitted, used, noise, .. } = curve;
+    pub fn of_fit(curve: &DrawnFit, several: bool) -> [Self; 2] {
+        let DrawnFit { label, unit, times_ms, measured, fitted, used, noise, .. } = curve;
         let series = |label: &str, tone, dotted, values| Series {
             label: label.to_owned(),
             tone,

@@ -1,6 +1,6 @@
 //! Figures and thumbnails as addresses of images, so that nothing in them can act on the page.
 
-use super::table::Mark;
+use super::table::VerdictMark;
 use crate::figure::{Figure, FigureError, Theme};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -49,13 +49,13 @@ pub struct Thumbnail {
     name: String,
     words: String,
     #[serde(skip_serializing_if = "Option::is_none")]
-    mark: Option<Mark>,
+    mark: Option<VerdictMark>,
     image: String,
 }
 
 impl Thumbnail {
     /// A PNG with its name, a few words below it, and what is to be known of it.
-    pub fn new(name: &str, words: &str, mark: Option<Mark>, png: &[u8]) -> Self {
+    pub fn new(name: &str, words: &str, mark: Option<VerdictMark>, png: &[u8]) -> Self {
         let (name, words) = (name.to_owned(), words.to_owned());
         Self { name, words, mark, image: address("png", png) }
     }

@@ -1,6 +1,6 @@
 //! What a page is given.
 
-use super::cell::Beat;
+use super::cell::BeatingCells;
 use super::chart::Chart;
 use super::figure::{Drawing, Thumbnail};
 use super::table::{Table, Tile};
@@ -69,7 +69,7 @@ impl<'a> Section<'a> {
 #[derive(Debug, Clone)]
 pub enum Part<'a> {
     /// Beating cells with the curves that go with them; a page has one at most.
-    Beat(Beat<'a>),
+    Beat(BeatingCells<'a>),
     /// Charts over time.
     Charts(Vec<Chart>),
     /// How well numbers are determined.

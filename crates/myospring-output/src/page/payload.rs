@@ -1,6 +1,6 @@
 //! What a page has as data; `page/src/payload.d.ts` says the same for the page.
 
-use super::cell::{self, Beat, CellData};
+use super::cell::{self, BeatingCells, CellData};
 use super::chart::{Chart, ChartData, Times};
 use super::error::PageError;
 use super::figure::{Drawing, Thumbnail};
@@ -109,7 +109,8 @@ fn data<'a>(part: &'a Part<'_>, times: &Times<'a>) -> Result<PartData<'a>, PageE
     let of = |charts: &'a [Chart]| charts.iter().map(|chart| times.chart(chart)).collect();
     Ok(match part {
         Part::Beat(beat) => {
-            let Beat { colour, cells, charts, folded: (folded_title, folded), words } = beat;
+            let BeatingCells { colour, cells, charts, folded: (folded_title, folded), words } =
+                beat;
             if cells.is_empty() {
                 return Err(PageError::NoRuns);
             }

@@ -1,13 +1,13 @@
 //! The sections of runs: what they have in common, whatever they were made for.
 
-use super::cell::{Beat, MovingCell};
+use super::cell::{BeatingCells, MovingCell};
 use super::chart::{Chart, Series, Tone};
 use super::given::{Part, Section};
 use super::photograph::Photograph;
-use super::table::{Cell, Column, Look, Mark, Row, Table, Tile, metric_words};
+use super::table::{Column, Look, Row, Table, TableCell, Tile, VerdictMark, metric_words};
 use crate::field::Field;
 use crate::report::Summary;
-use myospring_core::analysis::beat::{self, Band, Place};
+use myospring_core::analysis::beat::{self, Band, BandPosition};
 use myospring_core::analysis::{Metric, Missing};
 use myospring_core::mesh::Mesh;
 use myospring_core::mesh::outline::Outline;
@@ -135,14 +135,14 @@ impl<'a> Runs<'a> {
             let Read { value, unit, band, .. } = run.metric(name);
             let mark = band.filter(|_| several).zip(value).map(mark);
             let label = if several { run.label.to_owned() } else { String::new() };
-            (label, Cell { unit, ..Cell::number(value) }.marked(mark))
+            (label, TableCell { unit, ..TableCell::number(value) }.marked(mark))
         };
         let Read { value: first, unit, band, .. } = self.runs[0].metric(name);
         let line = |band: Band| {
             if several {
-                return Cell::text(format!("measured {} {unit}", range(&band)));
+                return TableCell::text(format!("measured {} {unit}", range(&band)));
             }
-            Cell::text(range(&band)).marked(first.map(|value| mark((band, value))))
+            TableCell::text(range(&band)).marked(first.map(|value| mark((band, value))))
         };
         Tile {
             name: metric_words(name),
@@ -156,8 +156,8 @@ impl<'a> Runs<'a> {
     fn key_table(&self, names: &[&'static str]) -> Part<'a> {
         let column = |name: &&'static str| Column::number(&metric_words(name), &self.unit(name));
         let row = |run: &PageRun<'_>| {
-            let values = names.iter().map(|name| Cell::number(run.metric(name).value));
-            Row::from([Cell::text(run.label)].into_iter().chain(values).collect::<Vec<_>>())
+            let values = names.iter().map(|name| TableCell::number(run.metric(name).value));
+            Row::from([TableCell::text(run.label)].into_iter().chain(values).collect::<Vec<_>>())
         };
         let columns = [Column::text("run")].into_iter().chain(names.iter().map(column));
         Part::Table(Table {
@@ -192,7 +192,7 @@ impl<'a> Runs<'a> {
         let title = format!("{} more curves of the cell model", folded.len());
         let about: BTreeSet<&str> =
             self.runs.iter().filter_map(|run| run.summary.about_model.as_deref()).collect();
-        let beat = Beat {
+        let beat = BeatingCells {
             colour,
             cells: self.runs.iter().map(PageRun::cell).collect(),
             charts,
@@ -321,19 +321,19 @@ impl<'a> Runs<'a> {
         columns.insert(if several { 1 } else { 2 }, Column::of("unit", "unit"));
         columns.extend(banded.then(|| Column::of("band", "measured")));
         let row = |(name, first): (&'static str, Read)| {
-            let mut cells = vec![Cell::term(metric_words(name), first.definition)];
+            let mut cells = vec![TableCell::term(metric_words(name), first.definition)];
             cells.extend(self.runs.iter().enumerate().map(|(index, run)| {
                 let Read { value, spread, missing, band, .. } = run.metric(name);
                 let mark = band.filter(|_| several).zip(value).map(mark);
                 let against = (index > 0).then_some([first.value]);
                 let note = missing.map(Missing::words).unwrap_or_default().to_owned();
-                Cell { spread, note, mark, against, ..Cell::number(value) }
+                TableCell { spread, note, mark, against, ..TableCell::number(value) }
             }));
-            cells.insert(if several { 1 } else { 2 }, Cell::text(first.unit));
+            cells.insert(if several { 1 } else { 2 }, TableCell::text(first.unit));
             let own =
                 |band: &Band| first.value.filter(|_| !several).map(|value| mark((*band, value)));
-            let band = first.band.map(|band| Cell::text(range(&band)).marked(own(&band)));
-            cells.extend(banded.then(|| band.unwrap_or_else(|| Cell::text(""))));
+            let band = first.band.map(|band| TableCell::text(range(&band)).marked(own(&band)));
+            cells.extend(banded.then(|| band.unwrap_or_else(|| TableCell::text(""))));
             Row::from(cells)
         };
         Table {
@@ -347,7 +347,7 @@ impl<'a> Runs<'a> {
     fn settings_that_differ(&self) -> Section<'a> {
         let columns = self.runs.iter().map(|run| Column::text(run.label));
         let row = |Difference { name, values }: &Difference| {
-            let cells = [name].into_iter().chain(values).map(Cell::text);
+            let cells = [name].into_iter().chain(values).map(TableCell::text);
             Row::from(cells.collect::<Vec<_>>())
         };
         let part = if self.differences.is_empty() {
@@ -425,10 +425,10 @@ impl<'a> PageRun<'a> {
     fn parameters(&self) -> Vec<Part<'a>> {
         let row = |row: &ParameterRow| Row {
             cells: vec![
-                Cell::text(&row.name),
-                Cell { unit: row.unit.clone(), ..Cell::text(&row.value) },
-                Cell::text(&row.meaning),
-                Cell::text(&row.source),
+                TableCell::text(&row.name),
+                TableCell { unit: row.unit.clone(), ..TableCell::text(&row.value) },
+                TableCell::text(&row.meaning),
+                TableCell::text(&row.source),
             ],
             marked: row.changed,
         };
@@ -483,9 +483,9 @@ struct Read {
 }
 
 /// Whether a value is within what is measured.
-fn mark((band, value): (Band, f64)) -> Mark {
+fn mark((band, value): (Band, f64)) -> VerdictMark {
     let place = band.place(value);
-    Mark::new(place == Place::In, place.words())
+    VerdictMark::new(place == BandPosition::In, place.words())
 }
 
 fn range(band: &Band) -> String {

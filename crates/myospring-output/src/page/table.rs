@@ -33,10 +33,11 @@ impl Table {
         let chosen = table.columns.iter().filter(|column| wanted(column.name()));
         let (mut columns, mut rows) = (Vec::new(), Vec::new());
         for column in chosen {
-            let cells: Vec<Cell> = match column {
+            let cells: Vec<TableCell> = match column {
                 table::Column::Text { name, values } => {
                     columns.push(Column::text(&metric_words(name)));
-                    let text = |text: &Option<String>| Cell::text(text.clone().unwrap_or_default());
+                    let text =
+                        |text: &Option<String>| TableCell::text(text.clone().unwrap_or_default());
                     values.iter().take(most).map(text).collect()
                 }
                 table::Column::Number { name, values } => {
@@ -44,7 +45,7 @@ impl Table {
                     let stem = unit.and_then(|unit| name.strip_suffix(&column_name("", unit)));
                     let words = metric_words(stem.unwrap_or(name));
                     columns.push(Column::number(&words, unit.copied().unwrap_or_default()));
-                    values.iter().take(most).map(|value| Cell::number(*value)).collect()
+                    values.iter().take(most).map(|value| TableCell::number(*value)).collect()
                 }
             };
             rows.resize_with(cells.len(), Row::default);
@@ -104,21 +105,21 @@ impl Column {
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Row {
     /// A cell for each column.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<TableCell>,
     /// Whether it stands out: a parameter that was changed, a cell that is doubtful.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub marked: bool,
 }
 
-impl From<Vec<Cell>> for Row {
-    fn from(cells: Vec<Cell>) -> Self {
+impl From<Vec<TableCell>> for Row {
+    fn from(cells: Vec<TableCell>) -> Self {
         Self { cells, marked: false }
     }
 }
 
 /// What a table or a tile says in one place.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Cell {
+pub struct TableCell {
     /// Text; of a number `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub text: Option<String>,
@@ -139,13 +140,13 @@ pub struct Cell {
     pub note: String,
     /// A verdict on it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub mark: Option<Mark>,
+    pub mark: Option<VerdictMark>,
     /// The number that it is compared with, where it is: `[None]` where that is missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub against: Option<[Option<f64>; 1]>,
 }
 
-impl Cell {
+impl TableCell {
     /// Text.
     pub fn text(text: impl Into<String>) -> Self {
         Self { text: Some(text.into()), ..Self::default() }
@@ -163,21 +164,21 @@ impl Cell {
 
     /// With a verdict.
     #[must_use]
-    pub fn marked(self, mark: Option<Mark>) -> Self {
+    pub fn marked(self, mark: Option<VerdictMark>) -> Self {
         Self { mark, ..self }
     }
 }
 
 /// A verdict in a word or two, with a dot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Mark {
+pub struct VerdictMark {
     /// Whether it is a filled, green dot; otherwise it is an orange ring.
     pub good: bool,
     /// The verdict.
     pub words: String,
 }
 
-impl Mark {
+impl VerdictMark {
     /// A verdict.
     pub fn new(good: bool, words: impl Into<String>) -> Self {
         Self { good, words: words.into() }
@@ -193,14 +194,14 @@ pub struct Tile {
     #[serde(skip_serializing_if = "String::is_empty")]
     pub definition: String,
     /// Its value; of several things each with its name.
-    pub values: Vec<(String, Cell)>,
+    pub values: Vec<(String, TableCell)>,
     /// What is said of it, a line each.
-    pub lines: Vec<Cell>,
+    pub lines: Vec<TableCell>,
 }
 
 impl Tile {
     /// One value.
-    pub fn new(name: impl Into<String>, value: Cell) -> Self {
+    pub fn new(name: impl Into<String>, value: TableCell) -> Self {
         Self { name: name.into(), values: vec![(String::new(), value)], ..Self::default() }
     }
 }

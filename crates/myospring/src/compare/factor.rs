@@ -1,6 +1,6 @@
 //! Factors on numbers of a run.
 
-use crate::settings::{Number, NumberError, Problem, Run};
+use crate::settings::{NumberError, NumericSetting, Problem, Run};
 use serde::Serialize;
 
 /// Name of a number of a run, and the factor on it.
@@ -124,7 +124,7 @@ pub fn scale(run: &mut Run, factors: &[Factor]) -> Result<Vec<Scaled>, FactorErr
 }
 
 fn scale_one(run: &mut Run, name: &str, factor: f64) -> Result<Scaled, FactorError> {
-    let number = Number::named(run, name)?;
+    let number = NumericSetting::named(run, name)?;
     let key = || number.key.clone();
     let before = number.get(run).ok_or_else(|| FactorError::NoValue { key: key() })?;
     if before == 0.0 && factor != 1.0 {
@@ -144,7 +144,7 @@ mod tests {
     fn every_number_of_a_run_can_be_multiplied_by_one_and_stays_what_it_is() {
         let mut run = Run::default_run();
         let before = run.to_run_file();
-        for Number { key, .. } in Number::all(&run) {
+        for NumericSetting { key, .. } in NumericSetting::all(&run) {
             match scale(&mut run, &[Factor { name: key.clone(), factor: 1.0 }]) {
                 Ok(scaled) => assert_eq!(scaled[0].before, scaled[0].after, "{key}"),
                 Err(FactorError::NoValue { .. }) => {}

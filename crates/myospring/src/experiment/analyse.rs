@@ -30,13 +30,13 @@ mod page;
 mod record;
 
 pub use curve::AnalysedCurve;
-pub use record::{Mean, Record, conventions, means};
+pub use record::{AnalysisRecord, Mean, conventions, means};
 
-use super::beats::Beats;
+use super::beats::BeatOptions;
 use super::tables::tables;
 use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
 use crate::analysis::curve::compare;
-use crate::measured::{Curve, Options};
+use crate::measured::{Curve, TableOptions};
 use crate::output::figure::Theme;
 use crate::output::json;
 use serde::Serialize;
@@ -59,9 +59,9 @@ pub struct Analyse {
     /// Curves that are in no file.
     pub curves: Vec<Curve>,
     /// How the tables are read.
-    pub table: Options,
+    pub table: TableOptions,
     /// How beats are found.
-    pub beats: Beats,
+    pub beats: BeatOptions,
 }
 
 /// Curves with their beats.
@@ -114,7 +114,7 @@ impl Experiment for Analyse {
 
 impl Analysed {
     /// Adds the curves of a table, and compares the beats of those that have the same times.
-    fn add(&mut self, file: &str, curves: Vec<Curve>, beats: &Beats) {
+    fn add(&mut self, file: &str, curves: Vec<Curve>, beats: &BeatOptions) {
         let first = self.curves.len();
         self.curves.extend(curves.into_iter().map(|curve| AnalysedCurve::of(file, curve, beats)));
         let table = &mut self.curves[first..];
@@ -185,7 +185,7 @@ impl Analysed {
 
 impl Outcome for Analysed {
     fn numbers(&self) -> impl Serialize {
-        Record::of(&self.curves, &self.notes)
+        AnalysisRecord::of(&self.curves, &self.notes)
     }
 
     fn warnings(&self) -> Vec<String> {

@@ -9,7 +9,7 @@ pub use members::Pictures;
 use super::error::ExperimentError;
 use super::files::Files;
 use super::folder::Folder;
-use super::input::Given;
+use super::input::ChosenSetting;
 use super::inputs;
 use super::observer::Observer;
 use super::{Experiment, Outcome};
@@ -34,7 +34,7 @@ pub struct Batch {
     /// Which pictures.
     pub pictures: Pictures,
     /// Settings that all share; those that a table gives override them.
-    pub settings: Vec<Given>,
+    pub settings: Vec<ChosenSetting>,
     /// Whether curves and figures of each cell are kept, in a folder of its own.
     pub figures: bool,
     /// Pictures at a time; `None` takes as many as there are cores.
@@ -47,7 +47,7 @@ pub struct Batch {
 }
 
 /// A batch whose settings are checked and whose folder is open.
-pub struct Prepared<'a> {
+pub struct PreparedBatch<'a> {
     batch: &'a Batch,
     /// What a person should know of the pictures.
     pub notes: Vec<String>,
@@ -100,7 +100,7 @@ impl Batch {
         &'a self,
         files: &'a Files,
         interruption: &Interruption,
-    ) -> Result<Prepared<'a>, ExperimentError> {
+    ) -> Result<PreparedBatch<'a>, ExperimentError> {
         let started = Instant::now();
         let (pictures, notes) = self.pictures.find(self.target.as_deref(), files)?;
         // Every setting is checked once, before any picture is opened.
@@ -121,7 +121,16 @@ impl Batch {
         }
         let interruption = interruption.clone();
         let batch = self;
-        Ok(Prepared { batch, notes, pictures, journal, manifest, files, interruption, started })
+        Ok(PreparedBatch {
+            batch,
+            notes,
+            pictures,
+            journal,
+            manifest,
+            files,
+            interruption,
+            started,
+        })
     }
 
     /// The run of a picture: its own settings override those of all.
@@ -152,7 +161,7 @@ impl Batch {
     }
 }
 
-impl Prepared<'_> {
+impl PreparedBatch<'_> {
     /// Works on every picture that is not done.
     ///
     /// # Errors
@@ -260,7 +269,7 @@ struct Seen<'a> {
     done: AtomicU64,
 }
 
-impl study::Observer<Picture> for Seen<'_> {
+impl study::StudyObserver<Picture> for Seen<'_> {
     fn begins(&self, done: usize, pictures: usize) {
         self.observer.stage("pictures", pictures as u64);
         if done > 0 {

@@ -1,7 +1,7 @@
 //! How beats of measured curves are found.
 
 use super::error::ExperimentError;
-use crate::analysis::curve::Options;
+use crate::analysis::curve::CurveOptions;
 use crate::measured::Curve;
 
 /// Shortest and longest interval between stimuli, ms: a tenth of what the fastest hearts beat at, which bounds how many
@@ -12,7 +12,7 @@ const MOST_SMOOTHING_MS: f64 = 1e5;
 
 /// How beats of measured curves are found and read.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Beats {
+pub struct BeatOptions {
     /// When stimuli fell, ms on the clock of the curve; without any, those that a file has marks of are taken.
     pub stimuli_ms: Vec<f64>,
     /// Stimuli at regular intervals instead, ms, from `start_ms` to the end of the curve.
@@ -25,7 +25,7 @@ pub struct Beats {
     pub keep_drift: bool,
 }
 
-impl Beats {
+impl BeatOptions {
     /// Refuses a period or a smoothing that no recording has.
     ///
     /// # Errors
@@ -47,7 +47,7 @@ impl Beats {
     }
 
     /// For one curve: regular stimuli end with it.
-    pub fn within(&self, curve: &Curve) -> Options {
+    pub fn within(&self, curve: &Curve) -> CurveOptions {
         let mut stimuli_ms = self.stimuli_ms.clone();
         if stimuli_ms.is_empty() {
             stimuli_ms.clone_from(&curve.stimuli_ms);
@@ -57,6 +57,6 @@ impl Beats {
             let count = ((last - start) / period).floor().clamp(-1.0, 1e6) as i64;
             stimuli_ms = (0..=count).map(|index| start + index as f64 * period).collect();
         }
-        Options { stimuli_ms, smoothing_ms: self.smoothing_ms, keep_drift: self.keep_drift }
+        CurveOptions { stimuli_ms, smoothing_ms: self.smoothing_ms, keep_drift: self.keep_drift }
     }
 }

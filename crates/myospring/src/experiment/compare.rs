@@ -17,7 +17,7 @@ use crate::compare::PHENOMENOLOGICAL;
 use crate::compare::factor::Scaled;
 use crate::compare::metric::{self, Row};
 use crate::compare::setting::{self, Different};
-use crate::output::figure::{self, Compared as Drawn, ContractionOptions, Theme};
+use crate::output::figure::{self, ComparedRun as Drawn, ContractionOptions, Theme};
 use crate::output::page::Difference;
 use crate::output::{csv, json};
 use crate::run_file::RunFile;

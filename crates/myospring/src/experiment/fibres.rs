@@ -5,7 +5,7 @@ use super::folder::Folder;
 use crate::mesh::Mesh;
 use crate::microscopy::fibres::Fibre;
 use crate::output::fibres::{FibreRow, to_csv};
-use crate::settings::{Fibres, Seen};
+use crate::settings::{Fibres, PictureFibres};
 
 /// Name of the file.
 pub(super) const FILE: &str = "fibres.csv";
@@ -23,7 +23,7 @@ pub(super) fn write<'a>(
     if read.is_empty() { Ok(()) } else { folder.write(FILE, to_csv(&read)?) }
 }
 
-fn rows(mesh: &Mesh, seen: &Seen) -> Vec<FibreRow> {
+fn rows(mesh: &Mesh, seen: &PictureFibres) -> Vec<FibreRow> {
     let triangles = mesh.simplices.iter().zip(&seen.triangles);
     let is_doubtful = seen.field.doubtful_lengths();
     triangles.map(|(triangle, place)| row(mesh.centre(triangle), place, &is_doubtful)).collect()

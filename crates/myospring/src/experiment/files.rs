@@ -1,7 +1,7 @@
 //! The files that an experiment reads, which its results never replace.
 
 use super::error::ExperimentError;
-use crate::measured::{self, Options, ReadError, Table};
+use crate::measured::{self, ReadError, Table, TableOptions};
 use crate::output::files::{self, Reads};
 use std::collections::BTreeMap;
 use std::io;
@@ -59,7 +59,7 @@ impl Files {
     ///
     /// # Errors
     /// As [`measured::read_bytes`], and a file that cannot be read.
-    pub fn table(&self, path: &Path, options: &Options) -> Result<Table, ReadError> {
+    pub fn table(&self, path: &Path, options: &TableOptions) -> Result<Table, ReadError> {
         let name = path.display().to_string();
         match self.bytes(path) {
             Ok(bytes) => measured::read_bytes(&name, &bytes, options),

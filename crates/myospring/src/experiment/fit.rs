@@ -11,17 +11,17 @@ mod simulation;
 mod tables;
 pub mod words;
 
-use super::input::{self, Given, Input};
+use super::input::{self, ChosenSetting, Input};
 use super::tension_map::FilmMap;
 use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
-use crate::fit::{FitError, Fitter, Loaded, Observed, Settings};
+use crate::fit::{FitError, FitSettings, Fitter, Loaded, Observed};
 use crate::interruption::Interruption;
 use crate::measured::Curve;
 use crate::settings::{self, Run, Shaped, Value};
 use crate::study::Threads;
-pub use curves::{Spring, between_springs, observed, of_table};
-pub use description::Fit;
-pub use film::Film;
+pub use curves::{EndSprings, between_springs, observed, of_table};
+pub use description::FitCell;
+pub use film::FollowedFilm;
 use outcome::Work;
 pub use outcome::{Fits, FittedCell};
 use serde::Serialize;
@@ -34,18 +34,18 @@ use std::time::Duration;
 const STEPS: f64 = 1000.0;
 
 /// A fit whose files are read, and whose film is followed.
-pub struct Ready {
+pub struct PreparedFit {
     /// Name of the cell's shape.
     name: String,
     /// Stem of the first file with curves, where that names the results.
     stem: Option<String>,
-    film: Option<Film>,
+    film: Option<FollowedFilm>,
     /// `None` where following the film was interrupted.
     work: Option<Work>,
     notes: Vec<String>,
 }
 
-impl Experiment for Fit {
+impl Experiment for FitCell {
     type Outcome = Fits;
 
     fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Fits, ExperimentError> {
@@ -53,13 +53,17 @@ impl Experiment for Fit {
     }
 }
 
-impl Fit {
+impl FitCell {
     /// Reads every file, follows the film, and checks all that can be checked before the work of the fits.
     ///
     /// # Errors
     /// Files that cannot be read, a film whose cell cannot be followed, a run that cannot be fitted, and names that are
     /// not sought.
-    pub fn ready(&self, files: &Files, observer: &dyn Observer) -> Result<Ready, ExperimentError> {
+    pub fn ready(
+        &self,
+        files: &Files,
+        observer: &dyn Observer,
+    ) -> Result<PreparedFit, ExperimentError> {
         self.cell.iter().chain(&self.to).for_each(|path| files.note(path));
         let film = self.film()?;
         let settings = self.settings();
@@ -71,7 +75,7 @@ impl Fit {
         if film.is_some() && interruption.is_asked() {
             let name = self.cell.as_ref().or(self.to.first()).and_then(|path| path.file_stem());
             let name = name.unwrap_or_default().to_string_lossy().into_owned();
-            return Ok(Ready { name, stem, film, work: None, notes: Vec::new() });
+            return Ok(PreparedFit { name, stem, film, work: None, notes: Vec::new() });
         }
         let (curves, mut notes) = match &film {
             Some(film) => (vec![film.named(&self.table)?], film.warnings().to_vec()),
@@ -106,11 +110,11 @@ impl Fit {
             threads: self.threads,
             files: files.clone(),
         };
-        Ok(Ready { name, stem, film, work: Some(work), notes })
+        Ok(PreparedFit { name, stem, film, work: Some(work), notes })
     }
 
     /// The settings that were given; a fit goes along equilibria, so a viscous cell need not be told to.
-    fn settings(&self) -> Vec<Given> {
+    fn settings(&self) -> Vec<ChosenSetting> {
         const METHOD: &str = "numerics.integrator";
         let has = |key: &str| self.settings.iter().any(|(setting, _)| setting.key == key);
         let mut settings = self.settings.clone();
@@ -140,7 +144,7 @@ impl Fit {
 
     fn input(
         &self,
-        settings: &[Given],
+        settings: &[ChosenSetting],
         files: &Files,
         interruption: &Interruption,
     ) -> Result<(String, Run, Shaped), ExperimentError> {
@@ -150,7 +154,7 @@ impl Fit {
         Ok((name, run, shaped))
     }
 
-    fn sought(&self, run: &Run, loaded: bool) -> Result<Settings, ExperimentError> {
+    fn sought(&self, run: &Run, loaded: bool) -> Result<FitSettings, ExperimentError> {
         self.sought.settings(&*run.cell, loaded).map_err(|error| match error {
             FitError::NotSought { name, sought }
                 if self.sought.fix.iter().any(|it| it.trim() == name) =>
@@ -167,7 +171,7 @@ impl Fit {
     }
 }
 
-impl Ready {
+impl PreparedFit {
     /// A name for the folder of its results: `cell_fit`, of several cells `cells_fits`.
     pub fn results(&self) -> String {
         let of = self.stem.as_ref().unwrap_or(&self.name);

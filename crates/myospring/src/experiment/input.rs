@@ -11,10 +11,10 @@ use std::fs;
 use std::path::Path;
 
 /// A setting that was given, with its value.
-pub type Given = (&'static Setting, Value);
+pub type ChosenSetting = (&'static Setting, Value);
 
 /// Whether a setting asks for all cells of a picture; a run takes one cell.
-pub fn is_all_cells((setting, value): &Given) -> bool {
+pub fn is_all_cells((setting, value): &ChosenSetting) -> bool {
     setting.key == "segmentation.cell" && value.as_text() == Some("all")
 }
 
@@ -37,7 +37,7 @@ pub struct Input {
 /// Those of [`settle`] and [`mesh`].
 pub fn read(
     path: Option<&Path>,
-    overrides: &[Given],
+    overrides: &[ChosenSetting],
     refused: impl FnOnce(&str) -> Option<Place>,
     files: &Files,
     interruption: &Interruption,
@@ -93,7 +93,7 @@ pub fn mesh_picture(
 /// A file that is not a picture, an outline or a run file, and settings that are not possible.
 pub fn settle(
     path: Option<&Path>,
-    overrides: &[Given],
+    overrides: &[ChosenSetting],
     files: &Files,
     interruption: &Interruption,
 ) -> Result<(String, Run), ExperimentError> {
@@ -106,7 +106,7 @@ pub fn settle(
 /// Those of [`settle`].
 pub fn settle_with(
     path: Option<&Path>,
-    overrides: &[Given],
+    overrides: &[ChosenSetting],
     own: impl IntoIterator<Item = (Origin, &'static str, Value)>,
     files: &Files,
     interruption: &Interruption,

@@ -10,7 +10,7 @@ use crate::mesh::outline::Outline;
 use crate::mesh::quality::long_axis;
 use crate::output::comparison::{Finding, PaperRun, TENSIONS, with_paper};
 use crate::output::field::Fields;
-use crate::output::figure::{self, Cell, ContractionOptions, FigureError, Theme};
+use crate::output::figure::{self, ContractionOptions, DrawnCell, FigureError, Theme};
 use crate::output::{csv, json};
 use crate::settings::{Places, Run, Shaped};
 use crate::simulation::{self, Effort};
@@ -142,7 +142,7 @@ impl Outcome for Reproduced {
             let stimuli = self.run.stimulus_times();
             let fibres = vec![long_axis(&self.mesh); self.mesh.simplices.len()];
             let fields = Fields::new(&self.mesh, &fibres, None).map_err(FigureError::from)?;
-            let cell = Cell::new(fields, Some(&self.outline))?;
+            let cell = DrawnCell::new(fields, Some(&self.outline))?;
             let shapes = figure::key_shapes(recording, &stimuli);
             let potential = || figure::action_potential_and_tension(recording, &stimuli);
             folder.figures(

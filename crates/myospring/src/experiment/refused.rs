@@ -4,7 +4,7 @@ use super::error::ExperimentError;
 use super::files::Files;
 use super::folder::Folder;
 use super::overlay;
-use super::segment::report::{Chosen, Report};
+use super::segment::report::{Chosen, SegmentReport};
 use crate::microscopy::cells::{CellError, PictureCell, PictureCells};
 use crate::microscopy::segment::{Choice, SegmentError};
 use crate::output::files::{MANIFEST, Manifest};
@@ -134,7 +134,7 @@ impl Refused<'_> {
                 let folder = Folder::claim(target, force, self.files)?;
                 folder.write(OVERLAY, figure.to_png(DPI)?)?;
                 if has_cells {
-                    let mut report = Report::of(self.picture, seen, chosen, &[]);
+                    let mut report = SegmentReport::of(self.picture, seen, chosen, &[]);
                     report.refused = notes.first().map(String::as_str);
                     folder.write(REPORT, json::for_people(&report)?)?;
                 }

@@ -11,13 +11,13 @@ mod record;
 mod save;
 mod watch;
 
-pub use beaten::{Beaten, Numbers};
+pub use beaten::{FinishedRun, RunNumbers};
 pub use finished::Style;
 pub use outputs::{ALL, NONE, OUTPUTS, Output, Written, WrittenOutputs, chosen};
 pub use page::{FILE, parameters};
-pub use prepared::{Beat, Plan, Prepared};
+pub use prepared::{BeatCell, PreparedRun, RunPlan};
 pub use record::{Stop, Timings, resolved};
-pub use save::Kept;
+pub use save::SavedRun;
 
 pub(super) use figures::write as write_figures;
 pub(super) use finished::Finished;

@@ -5,8 +5,8 @@ pub(super) mod report;
 mod whole_frame;
 
 pub use formats::ENDINGS;
-pub use report::{CellReport, Chosen, LatticeReport, LeftOut, Report};
-pub use whole_frame::{Frame, FrameFibres, FrameReport, ReadFrame};
+pub use report::{CellReport, Chosen, LatticeReport, LeftOut, SegmentReport};
+pub use whole_frame::{FieldOfView, FrameFibres, FrameReport, ReadWholeFrame};
 
 use super::error::ExperimentError;
 use super::files::Files;
@@ -118,8 +118,8 @@ impl Segment {
 
 impl Segmented {
     /// What was found, as `report.json` has it.
-    pub fn report(&self) -> Report<'_> {
-        Report::of(&self.picture, &self.cells, &self.chosen, &self.left_out)
+    pub fn report(&self) -> SegmentReport<'_> {
+        SegmentReport::of(&self.picture, &self.cells, &self.chosen, &self.left_out)
     }
 
     /// The picture with its outlines; with lattice and fibres where there is one cell.

@@ -37,7 +37,7 @@ pub struct Study {
 }
 
 /// Where and how a study is run.
-pub struct Plan {
+pub struct StudyPlan {
     /// The folder for all parts.
     pub target: PathBuf,
     /// Which part; `None` is the whole.
@@ -97,7 +97,7 @@ impl Study {
     ///
     /// # Errors
     /// A folder with other results, and a run that is not possible.
-    pub fn open(&self, plan: &Plan) -> Result<Open<'_>, ExperimentError> {
+    pub fn open(&self, plan: &StudyPlan) -> Result<Open<'_>, ExperimentError> {
         let shard = plan.shard.unwrap_or(Shard::WHOLE);
         let folder = match plan.shard {
             Some(shard) => shard_folder(&plan.target, shard),
@@ -270,7 +270,7 @@ struct Seen<'a> {
     done: AtomicU64,
 }
 
-impl study::Observer<Variation> for Seen<'_> {
+impl study::StudyObserver<Variation> for Seen<'_> {
     fn begins(&self, done: usize, members: usize) {
         self.observer.stage("members", members as u64);
         if done > 0 {

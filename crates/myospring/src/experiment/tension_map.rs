@@ -1,6 +1,6 @@
 //! The map of tension of a film's cell.
 
-use super::track::{Followed, Report, Track};
+use super::track::{Followed, Track, TrackReport};
 use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
 use crate::output::field::Fields;
 use crate::output::figure::{self, Figure, FigureError, Map, Theme};
@@ -14,7 +14,7 @@ use serde::Serialize;
 use std::sync::Arc;
 
 /// Where the cell of a film pulls, without a fit: for the stiffness and the support that the settings have.
-pub struct MapOfFilm {
+pub struct MapTension {
     /// The film, with every setting of its cell.
     pub track: Track,
 }
@@ -30,7 +30,7 @@ pub struct FilmMap {
     notes: Vec<String>,
 }
 
-impl Experiment for MapOfFilm {
+impl Experiment for MapTension {
     type Outcome = FilmMap;
 
     fn run(&self, files: &Files, observer: &dyn Observer) -> Result<FilmMap, ExperimentError> {
@@ -38,7 +38,7 @@ impl Experiment for MapOfFilm {
         let followed = self.track.follow(files, observer)?;
         let run = &followed.run;
         let made = run.make(followed.shaped.clone(), |file| files.bytes(file))?;
-        let mut notes = Report::of(&self.track.film, &followed).warnings;
+        let mut notes = TrackReport::of(&self.track.film, &followed).warnings;
         notes.extend(run.assumed.iter().cloned());
         let map = FilmMap::of(Arc::new(followed), &made.simulation);
         Ok(FilmMap { notes, ..map.map_err(ExperimentError::new)? })
@@ -62,7 +62,7 @@ impl Outcome for FilmMap {
 
 /// The map in `fit.json`.
 #[derive(Serialize)]
-pub struct Record<'a> {
+pub struct TensionMapRecord<'a> {
     /// Of the film.
     frames: &'a [usize],
     mean_tension_kpa: f64,
@@ -103,9 +103,9 @@ impl FilmMap {
         &self.verdicts
     }
 
-    pub(super) fn record(&self) -> Record<'_> {
+    pub(super) fn record(&self) -> TensionMapRecord<'_> {
         let map = &self.map;
-        Record {
+        TensionMapRecord {
             frames: &map.frames,
             mean_tension_kpa: map.mean_kpa,
             mean_tension_standard_deviation_kpa: map.mean_deviation_kpa,
@@ -156,7 +156,7 @@ impl FilmMap {
         let Followed { motion, shaped, fibres, .. } = &*self.followed;
         let map = &self.map;
         let fields = Fields::new(&motion.mesh, &fibres.directions, None)?;
-        let cell = figure::Cell::new(fields.clone(), Some(&shaped.outline))?;
+        let cell = figure::DrawnCell::new(fields.clone(), Some(&shaped.outline))?;
         if !map.is_known() {
             return figure::no_map(&cell, &map.positions_um, &map.why_not_known());
         }

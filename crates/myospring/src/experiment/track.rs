@@ -9,7 +9,7 @@ mod report;
 
 pub use description::{Output, Track};
 pub use followed::Followed;
-pub use report::{Headline, Report};
+pub use report::{HeadlineReport, TrackReport};
 
 use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
 use crate::microscopy::outlines::{NamedOutline, write_geojson};
@@ -24,7 +24,7 @@ pub struct Tracked {
     /// The film, the cell and its motion.
     pub followed: Followed,
     /// Every number, and a row for each frame.
-    pub report: Report,
+    pub report: TrackReport,
     /// What is saved beside the curve.
     pub outputs: Vec<Output>,
 }
@@ -61,7 +61,7 @@ impl Experiment for Track {
     fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Tracked, ExperimentError> {
         let name = self.check(files)?;
         let followed = self.follow(files, observer)?;
-        let report = Report::of(&self.film, &followed);
+        let report = TrackReport::of(&self.film, &followed);
         Ok(Tracked { name, followed, report, outputs: self.outputs.clone() })
     }
 }

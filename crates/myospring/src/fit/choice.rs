@@ -20,9 +20,9 @@ const KINDS: [Kind; 6] = [
 ///
 /// # Example
 /// ```
-/// use myospring::measured::{Options, read_bytes};
+/// use myospring::measured::{TableOptions, read_bytes};
 /// let file = "t_ms,length_um,stretch_1,stretch_2\n0,120,1,1\n10,118,0.98,1.01\n20,119,0.99,1.0\n";
-/// let table = read_bytes("track.csv", file.as_bytes(), &Options::default())?;
+/// let table = read_bytes("track.csv", file.as_bytes(), &TableOptions::default())?;
 /// let (curves, note) = myospring::fit::of_each_cell(table.curves);
 /// assert_eq!(curves[0].name, "stretch_1");
 /// assert!(curves.len() == 1 && note.unwrap().contains("`length_um`, `stretch_2`"));
@@ -61,13 +61,13 @@ fn principal(name: &str) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measured::{Options, read_bytes};
+    use crate::measured::{TableOptions, read_bytes};
 
     fn taken(header: &str) -> (Vec<String>, Option<String>) {
         let fields = header.split(',').count();
         let rows: Vec<String> = (0..3).map(|row| vec![row.to_string(); fields].join(",")).collect();
         let text = format!("{header}\n{}\n", rows.join("\n"));
-        let table = read_bytes("cell.csv", text.as_bytes(), &Options::default()).unwrap();
+        let table = read_bytes("cell.csv", text.as_bytes(), &TableOptions::default()).unwrap();
         let (curves, note) = of_each_cell(table.curves);
         (curves.into_iter().map(|curve| curve.name).collect(), note)
     }

@@ -7,7 +7,7 @@ use super::least_squares::{Least, squares};
 use super::misfit::Misfit;
 use super::observed::{Frames, Observed, Scale};
 use super::problem::{Layout, Role, Source, shortening};
-use super::settings::Settings;
+use super::settings::FitSettings;
 use super::sure::{SEARCH, Sure};
 use super::table::Shelf;
 use super::unknown::{Physics, Unknown};
@@ -152,7 +152,7 @@ impl Fitter {
         times_ms: &[f64],
     ) -> Result<Vec<f64>, FitError> {
         let free: Vec<Unknown> = factors.iter().map(|(name, _)| Unknown::named(name)).collect();
-        let settings = Settings { free: Some(free.clone()), ..Settings::default() };
+        let settings = FitSettings { free: Some(free.clone()), ..FitSettings::default() };
         let sought =
             settings.sought(&*self.simulation.cell, |unknown| self.usual(unknown), false)?;
         let last = times_ms.last().copied().unwrap_or_default();
@@ -197,7 +197,7 @@ impl Fitter {
     pub fn fit(
         &self,
         curves: &[Observed],
-        settings: &Settings,
+        settings: &FitSettings,
         goes_on: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<Option<Fit>, FitError> {
         let support = self.simulation.support;
@@ -213,7 +213,7 @@ impl Fitter {
     pub fn fit_loaded(
         &self,
         curves: &[Loaded],
-        settings: &Settings,
+        settings: &FitSettings,
         goes_on: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<Option<Fit>, FitError> {
         let found = self.fit_unless_interrupted(curves, settings, goes_on);
@@ -224,7 +224,7 @@ impl Fitter {
     fn fit_unless_interrupted(
         &self,
         curves: &[Loaded],
-        settings: &Settings,
+        settings: &FitSettings,
         goes_on: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<Option<Fit>, FitError> {
         let arbitrary = curves.iter().all(|curve| curve.observed.scale == Scale::Arbitrary);
@@ -296,7 +296,7 @@ impl Fitter {
     /// How each start ended, the best first: one at least; `part` of all is done after that part of the search.
     fn search(
         layout: &Layout,
-        settings: &Settings,
+        settings: &FitSettings,
         work: &Work<'_>,
         part: &(dyn Fn(f64) -> f64 + Sync),
     ) -> Result<Option<Vec<Least>>, FitError> {

@@ -3,7 +3,7 @@
 use super::error::FitError;
 use super::fitter::{Fitter, Loaded};
 use super::problem::{Layout, Role, Source};
-use super::settings::Settings;
+use super::settings::FitSettings;
 use super::unknown::Unknown;
 use std::time::{Duration, Instant};
 
@@ -21,7 +21,7 @@ impl Fitter {
     pub fn will_take(
         &self,
         curves: &[Loaded],
-        settings: &Settings,
+        settings: &FitSettings,
     ) -> Result<Option<Duration>, FitError> {
         let sought =
             settings.sought(&*self.simulation().cell, |unknown| self.usual(unknown), false)?;

@@ -1,7 +1,7 @@
 //! A curve as a fit sees it: which frames count, how much noise they have, where beats begin.
 
 use super::error::FitError;
-use crate::analysis::curve::{Options, State, analyse};
+use crate::analysis::curve::{CurveOptions, State, analyse};
 use crate::analysis::kind::Kind;
 use crate::measured::Curve;
 
@@ -96,8 +96,10 @@ impl Observed {
             Kind::Contraction | Kind::Unknown => Scale::Arbitrary,
             kind => return Err(FitError::Kind { name: name(), kind: kind.to_string() }),
         };
-        let options =
-            Options { stimuli_ms: stimuli_ms.unwrap_or_default().to_vec(), ..Options::default() };
+        let options = CurveOptions {
+            stimuli_ms: stimuli_ms.unwrap_or_default().to_vec(),
+            ..CurveOptions::default()
+        };
         let analysis = analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options)
             .map_err(|cause| FitError::Curve { name: name(), cause })?;
         let mut values = curve.values.clone();

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// What is sought, by the names that people write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sought {
-    /// What is sought beside tension over stiffness; none: what a curve tells ([`Settings::usual`]), and with a curve
+    /// What is sought beside tension over stiffness; none: what a curve tells ([`FitSettings::usual`]), and with a curve
     /// under a known load the stiffness.
     pub free: Vec<String>,
     /// What is not sought of these.
@@ -23,7 +23,7 @@ pub struct Sought {
 
 impl Default for Sought {
     fn default() -> Self {
-        let Settings { starts, seed, .. } = Settings::default();
+        let FitSettings { starts, seed, .. } = FitSettings::default();
         Self { free: Vec::new(), fix: Vec::new(), bounds: Vec::new(), starts, seed }
     }
 }
@@ -33,9 +33,9 @@ impl Sought {
     ///
     /// # Errors
     /// A name to fix or to bound that is not sought anyway.
-    pub fn settings(&self, cell: &dyn CellModel, loaded: bool) -> Result<Settings, FitError> {
+    pub fn settings(&self, cell: &dyn CellModel, loaded: bool) -> Result<FitSettings, FitError> {
         let named = |name: &String| Unknown::named(name.trim());
-        let mut free = Settings::usual(cell);
+        let mut free = FitSettings::usual(cell);
         if !self.free.is_empty() {
             free.truncate(1);
             free.extend(self.free.iter().map(named));
@@ -52,16 +52,18 @@ impl Sought {
             self.bounds.iter().map(|(name, ends)| (named(name), *ends)).collect();
         match bounds.keys().find(|unknown| !free.contains(unknown)) {
             Some(unknown) => Err(not_sought(unknown, &free)),
-            None => Ok(Settings { free: Some(free), bounds, starts: self.starts, seed: self.seed }),
+            None => {
+                Ok(FitSettings { free: Some(free), bounds, starts: self.starts, seed: self.seed })
+            }
         }
     }
 }
 
 /// Settings of a fit.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
+pub struct FitSettings {
     /// What is sought beside delays and lengths at rest; `None`: what a curve of this model tells
-    /// ([`Settings::usual`]).
+    /// ([`FitSettings::usual`]).
     pub free: Option<Vec<Unknown>>,
     /// Bounds other than the usual ones, in the unit of each unknown.
     pub bounds: BTreeMap<Unknown, [f64; 2]>,
@@ -71,13 +73,13 @@ pub struct Settings {
     pub seed: u64,
 }
 
-impl Default for Settings {
+impl Default for FitSettings {
     fn default() -> Self {
         Self { free: None, bounds: BTreeMap::new(), starts: 8, seed: 1 }
     }
 }
 
-impl Settings {
+impl FitSettings {
     /// What a curve of one cell tells: of a tension that is given its height and its rate, of myofilaments that feel
     /// their length the height alone, since calcium's sensitivity and the height can hardly be told apart.
     pub fn usual(cell: &dyn CellModel) -> Vec<Unknown> {

@@ -34,7 +34,7 @@ pub enum Layout {
 /// Options of reading a table; whatever is absent is detected.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[allow(clippy::struct_excessive_bools, reason = "each is a yes or no of its own")]
-pub struct Options {
+pub struct TableOptions {
     /// Column of times or of frame numbers.
     pub time: Option<Column>,
     /// Columns that are curves; if empty, all recognised ones. If the rows are curves, this chooses

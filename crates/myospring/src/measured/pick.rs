@@ -12,7 +12,7 @@ use super::column::{self, Holds};
 use super::curve::{Curve, Table};
 use super::decode;
 use super::error::ReadError;
-use super::options::Options;
+use super::options::TableOptions;
 use super::sheet::{Row, Sheet};
 use super::times::Clock;
 use choose::Chosen;
@@ -20,7 +20,7 @@ use picked::{Picked, no_numbers, stem};
 use std::collections::BTreeMap;
 
 /// Reads the curves from the bytes of a file.
-pub(super) fn table(path: &str, bytes: &[u8], options: &Options) -> Result<Table, ReadError> {
+pub(super) fn table(path: &str, bytes: &[u8], options: &TableOptions) -> Result<Table, ReadError> {
     if let (Some(from), Some(until)) = (options.from_ms, options.until_ms)
         && from >= until
     {

@@ -1,23 +1,23 @@
 use super::*;
 
-fn read(text: &str, options: &Options) -> Table {
+fn read(text: &str, options: &TableOptions) -> Table {
     read_named("cell.csv", text, options)
 }
 
-fn read_named(name: &str, text: &str, options: &Options) -> Table {
+fn read_named(name: &str, text: &str, options: &TableOptions) -> Table {
     read_bytes(name, text.as_bytes(), options).unwrap_or_else(|error| panic!("{text}: {error}"))
 }
 
-fn error(text: &str, options: &Options) -> String {
+fn error(text: &str, options: &TableOptions) -> String {
     let found = read_bytes("cell.csv", text.as_bytes(), options);
     found.map_or_else(|error| error.to_string(), |table| panic!("{text}: {table:?}"))
 }
 
-fn rate(frames_per_s: f64) -> Options {
-    Options { frame_rate_per_s: Some(frames_per_s), ..Options::default() }
+fn rate(frames_per_s: f64) -> TableOptions {
+    TableOptions { frame_rate_per_s: Some(frames_per_s), ..TableOptions::default() }
 }
 
-const NONE: fn() -> Options = Options::default;
+const NONE: fn() -> TableOptions = TableOptions::default;
 
 #[test]
 fn one_curve_is_read_the_same_from_any_form_of_table() {
@@ -71,7 +71,7 @@ fn times_without_a_unit_are_taken_as_what_a_camera_has_and_said() {
     // 0.1 may be 10 kHz in ms or ten frames a second.
     let text = "time,Vm (mV)\n0,-80\n0.1,-79\n0.2,-78\n";
     assert!(error(text, &NONE()).contains("--time-unit"));
-    let options = Options { time_unit: Some("ms".to_owned()), ..NONE() };
+    let options = TableOptions { time_unit: Some("ms".to_owned()), ..NONE() };
     assert_eq!(read(text, &options).curves[0].times_ms, [0.0, 0.1, 0.2]);
     let said = error("time (ms),length (um)\n0,120\n4,118\n8,115\n", &rate(30.0));
     assert!(
@@ -89,7 +89,7 @@ fn several_columns_are_several_cells_and_unknown_ones_among_known_are_passed_ove
     let table = read("t_ms,length_um,width_um\n0,1,2\n4,1.5,2.5\n8,3,4\n", &NONE());
     assert_eq!(table.curves.len(), 1);
     assert!(table.notes[0].contains("`width_um`"), "{:?}", table.notes);
-    let chosen = Options {
+    let chosen = TableOptions {
         values: vec![Column::of("3"), Column::of("LENGTH")],
         kind: Some(Kind::Length),
         ..NONE()
@@ -97,7 +97,7 @@ fn several_columns_are_several_cells_and_unknown_ones_among_known_are_passed_ove
     let table = read("t_ms,length_um,width_um\n0,1,2\n4,1.5,2.5\n8,3,4\n", &chosen);
     assert_eq!(table.curves[0].values, [2.0, 2.5, 4.0]);
     assert_eq!(table.curves[1].name, "length_um");
-    let unknown = Options { values: vec![Column::of("force")], ..NONE() };
+    let unknown = TableOptions { values: vec![Column::of("force")], ..NONE() };
     let said = error("t_ms,length_um\n0,1\n4,1.5\n", &unknown);
     assert!(said.contains("no column `force`; its columns are `t_ms`, `length_um`"), "{said}");
 }
@@ -110,7 +110,7 @@ fn cells_whose_columns_end_early_are_shorter_and_gaps_within_are_errors() {
     let text = "t_ms,length_um\n0,1\n4,NaN\n8,3\n";
     let said = error(text, &NONE());
     assert!(said.contains("line 3, column `length_um`: \"NaN\" is not a finite number"), "{said}");
-    let table = read(text, &Options { skip_gaps: true, ..NONE() });
+    let table = read(text, &TableOptions { skip_gaps: true, ..NONE() });
     assert_eq!(table.curves[0].times_ms, [0.0, 8.0]);
 }
 
@@ -123,7 +123,7 @@ fn tables_with_a_curve_in_each_row_are_read_by_their_frames() {
     assert_eq!((curve.kind, &*curve.name), (Kind::NormalisedLength, "1"));
     assert!((curve.times_ms[3] - 100.0).abs() < 1e-12);
     assert_eq!(curve.values, [1.02, 1.01, 0.97, 1.0]);
-    let table = read_named("a.csv", text, &Options { mean: true, ..rate(30.0) });
+    let table = read_named("a.csv", text, &TableOptions { mean: true, ..rate(30.0) });
     assert_eq!((table.curves.len(), &*table.curves[0].name), (1, "mean of 2"));
     assert!((table.curves[0].values[2] + 0.025).abs() < 1e-12);
     assert!(error(text, &NONE()).contains("its rows are curves, without times"));
@@ -135,7 +135,8 @@ fn tables_with_a_curve_in_each_row_are_read_by_their_frames() {
 fn curves_one_after_the_other_are_told_apart_by_what_they_belong_to() {
     let text = ",frame,sarc_id,x,y,length,width\n\
                 0,0,3,10,10,9.5,3\n1,0,4,20,10,9.7,3\n2,1,3,10,10,9.4,3\n3,1,4,20,10,9.6,3\n4,2,3,10,10,9.2,3\n";
-    let options = Options { pixel_size_um: Some(0.2), unit: Some("px".to_owned()), ..rate(50.0) };
+    let options =
+        TableOptions { pixel_size_um: Some(0.2), unit: Some("px".to_owned()), ..rate(50.0) };
     let table = read(text, &options);
     assert_eq!(table.curves.len(), 2);
     assert_eq!(table.curves[0].name, "sarc_id 3");
@@ -209,7 +210,7 @@ fn times_in_the_first_row_are_times() {
     assert_eq!((first.kind, second.kind), (Kind::Unknown, Kind::Fluorescence));
     assert_eq!((first.times_ms[1], first.values[8], first.lines[8]), (50.0, 101.0, 2));
     assert!(table.notes.iter().any(|note| note.contains("first row")), "{:?}", table.notes);
-    let chosen = read(&text, &Options { values: vec![Column::of("2")], ..NONE() });
+    let chosen = read(&text, &TableOptions { values: vec![Column::of("2")], ..NONE() });
     assert_eq!(chosen.curves[0].name, "ca tissue");
     let labelled = "Time (ms),0,10,20,30,40\ncell a length,5,4,3,4,5\n";
     let table = read(labelled, &NONE());
@@ -246,9 +247,9 @@ fn two_lines_of_names_belong_together() {
     assert_eq!(names, ["Cell1 Ratio", "Cell 2 Ratio"], "{:?}", table.notes);
     assert!(table.curves.iter().all(|curve| curve.kind == Kind::CalciumRatio));
     assert_eq!(table.curves[1].times_ms, [0.0, 1.0, 2.0]);
-    let options = Options { values: vec![Column::of("Cell 2 Numerator")], ..NONE() };
+    let options = TableOptions { values: vec![Column::of("Cell 2 Numerator")], ..NONE() };
     assert_eq!(read(text, &options).curves[0].values, [5.0; 3]);
-    let options = Options { values: vec![Column::of("denominator")], ..NONE() };
+    let options = TableOptions { values: vec![Column::of("denominator")], ..NONE() };
     assert_eq!(read(text, &options).curves.len(), 2);
 }
 
@@ -271,7 +272,7 @@ fn each_channel_may_have_its_own_times_and_marks_of_a_pacer_are_stimuli() {
         "{:?}",
         table.notes
     );
-    let without = read(text, &Options { ignore_marks: true, ..NONE() });
+    let without = read(text, &TableOptions { ignore_marks: true, ..NONE() });
     assert!(without.curves[0].stimuli_ms.is_empty());
 }
 
@@ -319,7 +320,7 @@ fn times_that_may_be_of_two_units_are_refused_with_the_option_that_says_it() {
     let wanted = "25 frames a second if they are s, 25000 frames a second if they are ms; say which: --time-unit s or \
                   --time-unit ms";
     assert!(said.contains(wanted), "{said}");
-    let options = Options { time_unit: Some("ms".to_owned()), ..NONE() };
+    let options = TableOptions { time_unit: Some("ms".to_owned()), ..NONE() };
     assert_eq!(read(&potential(100), &options).curves[0].times_ms[25], 1.0);
     // What is seen through a lens has no 25000 frames a second.
     let length = potential(10_000).replace("t,V", "t,length");
@@ -342,18 +343,18 @@ fn ticks_of_a_clock_are_what_gives_beats_the_time_that_they_take() {
     // 600 ms, or 60: cells have both.
     let said = error(&of(4.0, 0.01), &NONE());
     assert!(said.contains("--time-unit us or --time-unit \"0.01 ms\""), "{said}");
-    let said = Options { time_unit: Some("0.01 ms".to_owned()), ..NONE() };
+    let said = TableOptions { time_unit: Some("0.01 ms".to_owned()), ..NONE() };
     assert_eq!(read(&of(4.0, 0.01), &said).curves[0].times_ms[3], 120.0);
 }
 
 #[test]
 fn units_that_contradict_each_other_are_refused() {
     let text = "time (ms),length (um)\n0,120\n4,118\n8,115\n";
-    let with = |unit: &str| Options { unit: Some(unit.to_owned()), ..NONE() };
+    let with = |unit: &str| TableOptions { unit: Some(unit.to_owned()), ..NONE() };
     let said = error(text, &with("nm"));
     assert!(said.contains("its unit is um, and --unit says nm"), "{said}");
     assert_eq!(read(text, &with("micron")).curves[0].values[0], 120.0);
-    let options = Options { time_unit: Some("s".to_owned()), ..NONE() };
+    let options = TableOptions { time_unit: Some("s".to_owned()), ..NONE() };
     let said = error(text, &options);
     assert!(said.contains("its times are in ms, and --time-unit says s"), "{said}");
     assert_eq!(read("t_ms,Vm (a.u.)\n0,1\n4,2\n8,3\n", &with("mV")).curves[0].unit, "mV");
@@ -362,13 +363,13 @@ fn units_that_contradict_each_other_are_refused() {
 #[test]
 fn a_part_of_the_recording_keeps_its_clock() {
     let text = "time (ms),length (um)\n0,120\n4,118\n8,115\n12,116\n";
-    let options = Options { from_ms: Some(4.0), until_ms: Some(8.0), ..NONE() };
+    let options = TableOptions { from_ms: Some(4.0), until_ms: Some(8.0), ..NONE() };
     let curve = &read(text, &options).curves[0];
     assert_eq!((&curve.times_ms[..], &curve.values[..]), (&[4.0, 8.0][..], &[118.0, 115.0][..]));
     assert_eq!(curve.lines, [3, 4]);
-    let said = error(text, &Options { from_ms: Some(20.0), ..NONE() });
+    let said = error(text, &TableOptions { from_ms: Some(20.0), ..NONE() });
     assert!(said.contains("the recording runs from 0 to 12 ms"), "{said}");
-    let said = error(text, &Options { from_ms: Some(8.0), until_ms: Some(4.0), ..NONE() });
+    let said = error(text, &TableOptions { from_ms: Some(8.0), until_ms: Some(4.0), ..NONE() });
     assert!(said.contains("its end must come after its start"), "{said}");
 }
 
@@ -413,7 +414,7 @@ fn columns_of_one_name_are_told_apart_and_said() {
     assert!(notes.iter().any(|note| note.contains("several columns share a name")), "{notes:?}");
     assert_eq!(curves[0].unit, "um");
     let named = |name: &str| {
-        let options = Options { values: vec![Column::of(name)], ..NONE() };
+        let options = TableOptions { values: vec![Column::of(name)], ..NONE() };
         read(text, &options).curves.len()
     };
     assert_eq!([named("length_um"), named("length_um (column 3)"), named("3")], [2, 1, 1]);

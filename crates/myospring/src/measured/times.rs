@@ -3,7 +3,7 @@
 use super::column;
 use super::error::ReadError;
 use super::number::Cell;
-use super::options::Options;
+use super::options::TableOptions;
 use super::sheet::{Row, Sheet};
 use crate::analysis::curve;
 use crate::analysis::kind::{Family, Kind};
@@ -60,7 +60,7 @@ pub(super) struct Timed<'a> {
 
 impl Clock {
     /// Returns the interval in ms of the given frame rate, for rows without times.
-    pub(super) fn of_rate(options: &Options) -> Result<Option<f64>, String> {
+    pub(super) fn of_rate(options: &TableOptions) -> Result<Option<f64>, String> {
         match options.frame_rate_per_s {
             None => Ok(None),
             Some(rate) if rate.is_finite() && rate > 0.0 && rate <= 1e6 => Ok(Some(1e3 / rate)),
@@ -74,7 +74,7 @@ impl Clock {
     pub(super) fn of_column(
         sheet: &Sheet,
         timed: &Timed<'_>,
-        options: &Options,
+        options: &TableOptions,
         notes: &mut Vec<String>,
     ) -> Result<Self, String> {
         let at = timed.at;
@@ -263,8 +263,13 @@ fn found(
 fn beats(numbers: &[f64], values: &[f64], to_ms: f64) -> bool {
     let count = numbers.len().min(values.len());
     let times: Vec<f64> = numbers[..count].iter().map(|number| number * to_ms).collect();
-    let found =
-        curve::analyse(&times, &values[..count], Kind::Unknown, "a.u.", &curve::Options::default());
+    let found = curve::analyse(
+        &times,
+        &values[..count],
+        Kind::Unknown,
+        "a.u.",
+        &curve::CurveOptions::default(),
+    );
     let width = found.ok().and_then(|analysis| analysis.mean("contraction_duration_50"));
     width.is_some_and(|width| (WIDTHS_MS[0]..=WIDTHS_MS[1]).contains(&width))
 }
@@ -284,7 +289,7 @@ fn time_of(unit: &str) -> Option<f64> {
 }
 
 /// Returns the unit of a column of times, stated by its name or by an option; the two must agree.
-fn unit(sheet: &Sheet, at: usize, options: &Options) -> Result<Option<String>, String> {
+fn unit(sheet: &Sheet, at: usize, options: &TableOptions) -> Result<Option<String>, String> {
     let title = column::title(sheet.header.get(at).map_or("", String::as_str));
     let named = Some(title.unit).filter(|unit| !unit.is_empty());
     let given =

@@ -7,7 +7,7 @@ use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::support::SupportKind;
-use crate::settings::{self, Failure, Fibre, FromPlaces, Problem, Run, Source, Value};
+use crate::settings::{self, Failure, FibreDirection, FromPlaces, Problem, Run, Source, Value};
 use crate::simulation::{MOST_FRAMES, MOST_SAMPLES, divides};
 use crate::units::{self, Dimension};
 
@@ -277,7 +277,7 @@ fn fibre(file: &RunFile, run: &Run) -> Checked {
     if run.myofibril_content == FromPlaces::Picture {
         const CONTENT: &str = "mechanics.myofibril_content";
         match (run.fibre, source) {
-            (Fibre::LongAxis | Fibre::Angle(_), None) => {
+            (FibreDirection::LongAxis | FibreDirection::Angle(_), None) => {
                 let advice = "myofibril_content = \"picture\" uses the fibres that the picture shows: give fibre \
                               = \"auto\" or \"picture\", or content from a file";
                 return exclude("mechanics.fibre", CONTENT, advice);
@@ -292,16 +292,16 @@ fn fibre(file: &RunFile, run: &Run) -> Checked {
         }
     }
     match (run.fibre, source, given) {
-        (Fibre::Picture(_), Some(_), _) => {
+        (FibreDirection::Picture(_), Some(_), _) => {
             let reason = "fibre = \"picture\" reads the direction from a picture; give one, or take \
                           \"long axis\" or an angle";
             let problem = Problem::Missing { key: "shape.picture", reason };
             Err(("mechanics.fibre".to_owned(), problem))
         }
-        (Fibre::Auto(_), Some(source), Some(second)) => {
+        (FibreDirection::Auto(_), Some(source), Some(second)) => {
             exclude(source, second, "this applies only to pictures; leave it out")
         }
-        (Fibre::LongAxis | Fibre::Angle(_), _, Some(second)) => exclude(
+        (FibreDirection::LongAxis | FibreDirection::Angle(_), _, Some(second)) => exclude(
             "mechanics.fibre",
             second,
             "only fibre = \"auto\" or \"picture\" uses this; choose one of them or leave it out",
@@ -338,7 +338,7 @@ fn sarcomeres(file: &RunFile, run: &Run) -> Checked {
                 "sarcomere_length = \"picture\" needs a picture of the cell; give one, or a table";
             return Err((LENGTH.to_owned(), Problem::Missing { key: "shape.picture", reason }));
         }
-        if matches!(run.fibre, Fibre::LongAxis | Fibre::Angle(_)) {
+        if matches!(run.fibre, FibreDirection::LongAxis | FibreDirection::Angle(_)) {
             let advice = "sarcomere_length = \"picture\" uses the sarcomeres that the picture shows: give fibre = \
                           \"auto\" or \"picture\", or a table";
             return exclude("mechanics.fibre", LENGTH, advice);

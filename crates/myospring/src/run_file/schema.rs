@@ -2,7 +2,7 @@
 
 use crate::cell;
 use crate::mesh::built_in;
-use crate::settings::{Kind, Setting, tables};
+use crate::settings::{Setting, ValueKind, tables};
 use crate::units::Dimension;
 use serde_json::{Map, Value, json};
 
@@ -87,30 +87,30 @@ fn of_setting(setting: &Setting) -> Value {
     insert("description", described(setting).into());
     insert("type", kind_of_value(setting));
     match setting.kind {
-        Kind::Words { words, .. } => {
+        ValueKind::Words { words, .. } => {
             let word =
                 |word: &crate::settings::Word| json!({"const": word.name, "description": word.doc});
             insert("oneOf", words.iter().map(word).collect());
         }
-        Kind::Whole { bounds, .. } => {
+        ValueKind::Whole { bounds, .. } => {
             insert("minimum", bounds.minimum.into());
             insert("maximum", bounds.maximum.into());
         }
-        Kind::Named { .. } => {
+        ValueKind::Named { .. } => {
             insert("additionalProperties", json!({"type": ["number", "string"]}));
         }
-        Kind::Quantity { .. } | Kind::Written { .. } => {
+        ValueKind::Quantity { .. } | ValueKind::Written { .. } => {
             if let Some(unit) = setting.unit() {
                 insert("x-unit", unit.into());
             }
             if let Some(bounds) = setting.bounds_in_words() {
                 insert("x-bounds", bounds.into());
             }
-            if let Kind::Quantity { bounds, .. } = setting.kind {
+            if let ValueKind::Quantity { bounds, .. } = setting.kind {
                 insert("pattern", pattern(bounds.dimension).into());
             }
         }
-        Kind::Text { .. } | Kind::File { .. } | Kind::Flag { .. } => {}
+        ValueKind::Text { .. } | ValueKind::File { .. } | ValueKind::Flag { .. } => {}
     }
     if let Some(names) = names(setting) {
         insert("enum", names.into());
@@ -134,13 +134,15 @@ pub(super) fn described(setting: &Setting) -> String {
 
 fn kind_of_value(setting: &Setting) -> Value {
     match setting.kind {
-        Kind::Flag { .. } => "boolean".into(),
-        Kind::Whole { .. } => "integer".into(),
-        Kind::Named { .. } => "object".into(),
-        Kind::Text { .. } | Kind::File { .. } | Kind::Words { .. } => "string".into(),
-        Kind::Quantity { .. } | Kind::Written { .. } if setting.takes_numbers() => {
+        ValueKind::Flag { .. } => "boolean".into(),
+        ValueKind::Whole { .. } => "integer".into(),
+        ValueKind::Named { .. } => "object".into(),
+        ValueKind::Text { .. } | ValueKind::File { .. } | ValueKind::Words { .. } => {
+            "string".into()
+        }
+        ValueKind::Quantity { .. } | ValueKind::Written { .. } if setting.takes_numbers() => {
             json!(["number", "string"])
         }
-        Kind::Quantity { .. } | Kind::Written { .. } => json!(["string"]),
+        ValueKind::Quantity { .. } | ValueKind::Written { .. } => json!(["string"]),
     }
 }

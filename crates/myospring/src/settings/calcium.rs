@@ -10,7 +10,7 @@
 use crate::analysis::holes::{self, Hole};
 use crate::cell::CellModel;
 use crate::cell::calcium::{CalciumTrace, TraceError};
-use crate::measured::{self, Curve, Kind, Options, ReadError};
+use crate::measured::{self, Curve, Kind, ReadError, TableOptions};
 use std::io;
 use std::sync::Arc;
 
@@ -177,7 +177,7 @@ fn of_table(
     calibration: Calibration,
 ) -> Result<(CalciumTrace, Vec<String>), CalciumError> {
     let table = |cause: String| CalciumError::Table { path: path.to_owned(), cause };
-    let options = Options { units_required: true, ..Options::default() };
+    let options = TableOptions { units_required: true, ..TableOptions::default() };
     let read = measured::read_bytes(path, bytes, &options).map_err(|error| match error {
         ReadError::Field { path, line, column, cause } => {
             CalciumError::Field { path, line, column, cause }

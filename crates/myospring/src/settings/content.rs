@@ -191,7 +191,7 @@ mod tests {
     use super::*;
     use crate::mesh::lattice;
     use crate::mesh::pixel_size::PixelSize;
-    use crate::microscopy::cells::Options;
+    use crate::microscopy::cells::PictureOptions;
 
     /// A picture of 40 x 20 pixels as a PNG.
     fn png(grey: impl Fn(u32, u32) -> u8) -> Vec<u8> {
@@ -205,8 +205,10 @@ mod tests {
 
     #[test]
     fn grey_values_about_a_triangle_become_its_content_relative_to_the_mean_of_the_cell() {
-        let options =
-            Options { pixel_size: Some(PixelSize::new(1.0).unwrap()), ..Options::default() };
+        let options = PictureOptions {
+            pixel_size: Some(PixelSize::new(1.0).unwrap()),
+            ..PictureOptions::default()
+        };
         let cell = png(|x, y| if (4..36).contains(&x) && (4..16).contains(&y) { 200 } else { 0 });
         let cells = PictureCells::find(&cell, &options).unwrap();
         // A mesh over columns 4 to 36, rows 4 to 16 of the picture, y upward.
@@ -230,7 +232,7 @@ mod tests {
     #[test]
     fn where_the_picture_shows_stripes_there_are_myofibrils_and_where_it_shows_none_there_are_none()
     {
-        use super::super::fibres::{Fibre, Seen};
+        use super::super::fibres::{FibreDirection, PictureFibres};
         use crate::microscopy::fibres::{FibreSettings, Stain, fibres};
         // Stripes 1.9 um apart in the left half of 40 x 20 um, nothing in the right one.
         let grey = |at: usize| match at % 200 {
@@ -242,11 +244,11 @@ mod tests {
         let pixel = PixelSize::new(0.2).unwrap();
         let field = fibres(&plane, &vec![true; 20_000], pixel, [1.0, 0.0], &settings).unwrap();
         let mesh = lattice::rectangle(20, 10, 2.0).unwrap();
-        let mut read = Fibre::LongAxis.on(&mesh, None).unwrap();
+        let mut read = FibreDirection::LongAxis.on(&mesh, None).unwrap();
         let error = of_fibres(&read, &mesh).unwrap_err().to_string();
         assert!(error.contains("no fibres were read"), "{error}");
         let triangles = field.on_triangles(&mesh);
-        read.seen = Some(Seen { stain: Stain::ZDisc, field, triangles });
+        read.seen = Some(PictureFibres { stain: Stain::ZDisc, field, triangles });
         let (content, warning) = of_fibres(&read, &mesh).unwrap();
         assert_eq!(warning, None);
         let mean = content.iter().sum::<f64>() / content.len() as f64;

@@ -13,7 +13,7 @@ use std::fmt;
 
 /// Direction of the fibres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Fibre {
+pub enum FibreDirection {
     /// From the picture, if it shows sarcomeres or the stated stain; otherwise, and without a
     /// picture, along the long axis.
     Auto(Asked),
@@ -60,13 +60,13 @@ pub enum NotRead {
 /// The fibres of a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fibres {
-    /// Source of their direction; never [`Fibre::Auto`].
-    pub taken: Fibre,
+    /// Source of their direction; never [`FibreDirection::Auto`].
+    pub taken: FibreDirection,
     /// Unit vector along the fibre in each triangle of the mesh.
     pub directions: Vec<[f64; 2]>,
     /// What the picture shows, if they were read from it.
-    pub seen: Option<Seen>,
-    /// Why they were not read from the picture, with [`Fibre::Auto`].
+    pub seen: Option<PictureFibres>,
+    /// Why they were not read from the picture, with [`FibreDirection::Auto`].
     pub not_read: Option<NotRead>,
     /// Warnings, one sentence each.
     pub warnings: Vec<String>,
@@ -74,7 +74,7 @@ pub struct Fibres {
 
 /// What a picture shows of the fibres.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Seen {
+pub struct PictureFibres {
     /// What the picture shows.
     pub stain: Stain,
     /// The fibres everywhere in the cell.
@@ -122,20 +122,20 @@ pub struct SeenReport {
     pub sarcomeres: usize,
 }
 
-impl Fibre {
+impl FibreDirection {
     /// The fibres on the mesh of a cell; `picture` is where it was found.
     ///
     /// # Errors
-    /// A picture with pixels that are too coarse ([`Fibre::Picture`] only), or settings out of
+    /// A picture with pixels that are too coarse ([`FibreDirection::Picture`] only), or settings out of
     /// range.
     ///
     /// # Example
     /// ```
     /// use myospring::mesh::lattice;
-    /// use myospring::settings::{Asked, Fibre};
+    /// use myospring::settings::{Asked, FibreDirection};
     /// let mesh = lattice::rectangle(20, 4, 5.0).unwrap();
     /// // Without a picture the long axis is all that there is.
-    /// let fibres = Fibre::Auto(Asked::default()).on(&mesh, None)?;
+    /// let fibres = FibreDirection::Auto(Asked::default()).on(&mesh, None)?;
     /// assert_eq!(fibres.taken, Fibre::LongAxis);
     /// assert_eq!(fibres.directions, vec![[1.0, 0.0]; mesh.simplices.len()]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -181,7 +181,7 @@ impl Asked {
         let long_axis = long_axis(mesh);
         let instead = |reason, warnings| {
             let not_read = Some(reason);
-            let along = Fibres::everywhere(mesh, Fibre::LongAxis, long_axis);
+            let along = Fibres::everywhere(mesh, FibreDirection::LongAxis, long_axis);
             Ok(Fibres { not_read, warnings, ..along })
         };
         match (cells.segmentation().map(|found| found.modality), self.stain) {
@@ -219,7 +219,7 @@ impl Asked {
 }
 
 impl Fibres {
-    fn everywhere(mesh: &Mesh, taken: Fibre, direction: [f64; 2]) -> Self {
+    fn everywhere(mesh: &Mesh, taken: FibreDirection, direction: [f64; 2]) -> Self {
         let directions = vec![direction; mesh.simplices.len()];
         Self { taken, directions, seen: None, not_read: None, warnings: Vec::new() }
     }
@@ -232,9 +232,9 @@ impl Fibres {
     ) -> Self {
         let triangles = field.on_triangles(mesh);
         Self {
-            taken: Fibre::Picture(settings),
+            taken: FibreDirection::Picture(settings),
             directions: triangles.iter().map(|place| place.direction).collect(),
-            seen: Some(Seen { stain: settings.stain, field, triangles }),
+            seen: Some(PictureFibres { stain: settings.stain, field, triangles }),
             not_read: None,
             warnings,
         }
@@ -244,17 +244,17 @@ impl Fibres {
     pub fn report(&self) -> FibreReport {
         FibreReport {
             direction: match self.taken {
-                Fibre::Picture(_) => "picture".to_owned(),
-                Fibre::Angle(degrees) => format!("{degrees} deg"),
-                Fibre::LongAxis | Fibre::Auto(_) => "long axis".to_owned(),
+                FibreDirection::Picture(_) => "picture".to_owned(),
+                FibreDirection::Angle(degrees) => format!("{degrees} deg"),
+                FibreDirection::LongAxis | FibreDirection::Auto(_) => "long axis".to_owned(),
             },
             not_read: self.not_read.map(|reason| reason.to_string()),
-            seen: self.seen.as_ref().map(Seen::report),
+            seen: self.seen.as_ref().map(PictureFibres::report),
         }
     }
 }
 
-impl Seen {
+impl PictureFibres {
     /// Its numbers for reports.
     pub fn report(&self) -> SeenReport {
         let summary = self.field.summary();

@@ -1,7 +1,7 @@
 //! The numbers of a run by name: settings that are quantities, and the parameters of its cell
 //! model.
 
-use super::setting::Kind;
+use super::setting::ValueKind;
 use super::value::Value;
 use super::{Named, Problem, Run, find, table};
 use crate::parameter::alike;
@@ -13,7 +13,7 @@ const OFFERED: usize = 3;
 
 /// A number of a run: a parameter of the cell model, or a setting that is a quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Number {
+pub struct NumericSetting {
     /// Its key in a run file: `cell.parameters.tau_si`, `material.thickness`.
     pub key: String,
     /// Its unit; empty for a dimensionless number.
@@ -62,7 +62,7 @@ fn offered(nearest: &[String]) -> String {
     }
 }
 
-impl Number {
+impl NumericSetting {
     /// All numbers of a run: those of its cell model first.
     pub fn all(run: &Run) -> Vec<Self> {
         let rows = run.cell.parameters().rows().iter();
@@ -70,7 +70,7 @@ impl Number {
             key: format!("{PARAMETERS}.{}", row.name),
             unit: row.unit.to_string(),
         });
-        let settings = table().filter(|setting| matches!(setting.kind, Kind::Quantity { .. }));
+        let settings = table().filter(|setting| matches!(setting.kind, ValueKind::Quantity { .. }));
         let settings = settings.map(|setting| Self {
             key: setting.key.to_owned(),
             unit: setting.unit().unwrap_or_default().to_owned(),
@@ -85,9 +85,9 @@ impl Number {
     ///
     /// # Example
     /// ```
-    /// use myospring::settings::{Number, Run};
+    /// use myospring::settings::{NumericSetting, Run};
     /// let mut run = Run::default_run();
-    /// let thickness = Number::named(&run, "thickness")?;
+    /// let thickness = NumericSetting::named(&run, "thickness")?;
     /// assert_eq!((thickness.key.as_str(), thickness.get(&run)), ("material.thickness", Some(10.0)));
     /// thickness.set(&mut run, 8.0)?;
     /// assert_eq!(run.material.thickness, 8.0);
@@ -135,7 +135,7 @@ impl Number {
             return run.cell.parameters().get(parameter);
         }
         match find(&self.key)?.kind {
-            Kind::Quantity { get, .. } => get(run),
+            ValueKind::Quantity { get, .. } => get(run),
             _ => None,
         }
     }
@@ -161,7 +161,7 @@ impl Number {
     /// A value, in its unit, as written in a run file.
     pub fn written(&self, value: f64) -> Value {
         let setting = find(&self.key);
-        let whole = setting.is_some_and(|it| matches!(it.kind, Kind::Whole { .. }));
+        let whole = setting.is_some_and(|it| matches!(it.kind, ValueKind::Whole { .. }));
         match setting.and_then(super::Setting::bounds) {
             // As text, its error would not say that it is not a number.
             _ if !value.is_finite() => Value::Number(value),

@@ -9,7 +9,7 @@ mod shape;
 mod stimulus;
 
 use super::bounds::Bounds;
-use super::setting::{Kind, Setting};
+use super::setting::{Setting, ValueKind};
 use crate::units::Dimension;
 
 /// Settings that belong together.
@@ -37,7 +37,7 @@ pub(super) static TABLES: &[Table] = &[
         settings: &[Setting::new(
             "title",
             "Title of the run, for people.",
-            Kind::Text {
+            ValueKind::Text {
                 get: |run| Some(run.title.clone()),
                 set: |run, title| {
                     title.clone_into(&mut run.title);

@@ -2,7 +2,7 @@
 
 use super::calcium::{self, CalciumError, Calibration};
 use super::content::{self, ContentError};
-use super::fibres::{Asked, Fibre, Fibres};
+use super::fibres::{Asked, FibreDirection, Fibres};
 use super::models::Models;
 use super::places::FromPlaces;
 use super::sarcomeres::{self, SarcomereError};
@@ -63,7 +63,7 @@ pub struct Run {
     /// How the tension acts.
     pub active: ActiveLaw,
     /// Direction of the fibres.
-    pub fibre: Fibre,
+    pub fibre: FibreDirection,
     /// Which stretch acts on the cell model, if it depends on stretch.
     pub stretch_felt: StretchFelt,
     /// Content of myofibrils in each place; from a picture, order times coverage of its fibres,
@@ -92,7 +92,7 @@ pub struct Run {
 }
 
 /// A run with its mesh.
-pub struct Made {
+pub struct MeshedRun {
     /// The simulation, ready to be built.
     pub simulation: Simulation,
     /// Report on the mesh, with warnings on the picture and the fibres.
@@ -109,7 +109,7 @@ pub struct Made {
 /// Quantities that vary over a cell, as lists over the triangles of its mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Places {
-    /// Direction of the fibres, unit vectors ([`Fibre::on`]).
+    /// Direction of the fibres, unit vectors ([`FibreDirection::on`]).
     pub fibres: Vec<[f64; 2]>,
     /// Content of myofibrils; `None` is 1 everywhere.
     pub myofibril_content: Option<Vec<f64>>,
@@ -162,7 +162,7 @@ impl Run {
             },
             material: default_material(),
             active: ActiveLaw::Fibre,
-            fibre: Fibre::Auto(Asked::default()),
+            fibre: FibreDirection::Auto(Asked::default()),
             stretch_felt: StretchFelt::Cell,
             myofibril_content: FromPlaces::Uniform,
             sarcomere_length: FromPlaces::Uniform,
@@ -237,7 +237,7 @@ impl Run {
         &self,
         shaped: Shaped,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
-    ) -> Result<Made, MakeError> {
+    ) -> Result<MeshedRun, MakeError> {
         let Shaped { mesh, mut report, outline, mut picture } = shaped;
         if let Some((cells, _)) = &mut picture {
             cells.interruption = self.interruption.clone();
@@ -280,7 +280,7 @@ impl Run {
         });
         let smooth = of_mask.and_then(|(_, cell)| trace_mask(&cell.mask, Edge::Smooth).ok());
         let outline = smooth.unwrap_or(outline);
-        Ok(Made { simulation, report, outline, fibres, picture })
+        Ok(MeshedRun { simulation, report, outline, fibres, picture })
     }
 
     /// The cell model with calcium from a table, and a warning if there is one; `read` reads a file

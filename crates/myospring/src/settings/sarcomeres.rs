@@ -96,12 +96,12 @@ fn of_fibres(fibres: &Fibres, mesh: &Mesh) -> Result<Vec<f64>, SarcomereError> {
 mod tests {
     use super::*;
     use crate::mesh::lattice;
-    use crate::settings::Fibre;
+    use crate::settings::FibreDirection;
 
     #[test]
     fn lengths_over_the_reference_are_the_stretch_at_rest_and_gaps_take_the_nearest() {
         let mesh = lattice::rectangle(2, 1, 1.0).unwrap();
-        let fibres = Fibre::LongAxis.on(&mesh, None).unwrap();
+        let fibres = FibreDirection::LongAxis.on(&mesh, None).unwrap();
         let lengths = FromPlaces::of("fibres.csv".to_owned());
         let stretch = |text: &'static str, reference: f64| {
             resting_stretch(&lengths, reference, &mesh, &fibres, |_| Ok(text.into()))

@@ -21,7 +21,7 @@ pub struct Setting {
     /// Its option on the command line, if there is one.
     pub option: Option<CommandOption>,
     /// Type of its values, and its field in a [`Run`].
-    pub kind: Kind,
+    pub kind: ValueKind,
 }
 
 /// How a setting is written on the command line.
@@ -47,7 +47,7 @@ pub type Named = BTreeMap<String, Value>;
 
 /// Type of a setting's values, with the reader and writer of its field in a [`Run`].
 #[derive(Debug, Clone, Copy)]
-pub enum Kind {
+pub enum ValueKind {
     /// Any text, or a name from a list that is defined elsewhere.
     Text {
         /// Reader.
@@ -127,7 +127,7 @@ pub enum Kind {
 }
 
 impl Setting {
-    pub(super) const fn new(key: &'static str, doc: &'static str, kind: Kind) -> Self {
+    pub(super) const fn new(key: &'static str, doc: &'static str, kind: ValueKind) -> Self {
         Self { key, doc, otherwise: None, option: None, kind }
     }
 
@@ -138,7 +138,7 @@ impl Setting {
         get: Get<f64>,
         set: Set<f64>,
     ) -> Self {
-        Self::new(key, doc, Kind::Quantity { bounds, get, set })
+        Self::new(key, doc, ValueKind::Quantity { bounds, get, set })
     }
 
     /// Sets what happens without it.
@@ -180,8 +180,8 @@ impl Setting {
     /// Its bounds, if it is a number.
     pub fn bounds(&self) -> Option<Bounds> {
         match self.kind {
-            Kind::Quantity { bounds, .. } => Some(bounds),
-            Kind::Written { bounds, .. } => bounds,
+            ValueKind::Quantity { bounds, .. } => Some(bounds),
+            ValueKind::Written { bounds, .. } => bounds,
             _ => None,
         }
     }
@@ -189,7 +189,7 @@ impl Setting {
     /// The internal unit; empty for a dimensionless number, `None` for other types.
     pub fn unit(&self) -> Option<&'static str> {
         match self.kind {
-            Kind::Whole { .. } => Some(""),
+            ValueKind::Whole { .. } => Some(""),
             _ => self.bounds().map(|bounds| bounds.dimension.unit()),
         }
     }
@@ -197,20 +197,22 @@ impl Setting {
     /// The bounds in words: `above 0 um, at most 100 um`.
     pub fn bounds_in_words(&self) -> Option<String> {
         match self.kind {
-            Kind::Whole { bounds, .. } => Some(format!("{} to {}", bounds.minimum, bounds.maximum)),
+            ValueKind::Whole { bounds, .. } => {
+                Some(format!("{} to {}", bounds.minimum, bounds.maximum))
+            }
             _ => self.bounds()?.words(),
         }
     }
 
     /// Whether a value of it names a file.
     pub fn names_file(&self, value: &str) -> bool {
-        matches!(self.kind, Kind::File { words, .. } if !words.contains(&value))
+        matches!(self.kind, ValueKind::File { words, .. } if !words.contains(&value))
     }
 
     /// The allowed words; empty if it may be anything else.
     pub fn words(&self) -> &'static [Word] {
         match self.kind {
-            Kind::Words { words, .. } => words,
+            ValueKind::Words { words, .. } => words,
             _ => &[],
         }
     }
@@ -222,14 +224,17 @@ impl Setting {
 
     /// Whether it is written as text: with a unit, in words, or as a name.
     fn reads_text(&self) -> bool {
-        !matches!(self.kind, Kind::Flag { .. } | Kind::Whole { .. } | Kind::Named { .. })
+        !matches!(
+            self.kind,
+            ValueKind::Flag { .. } | ValueKind::Whole { .. } | ValueKind::Named { .. }
+        )
     }
 
     /// Whether it may be a number without unit, in addition to text.
     pub fn takes_numbers(&self) -> bool {
         match self.kind {
-            Kind::Quantity { bounds, .. } => bounds.dimension == Dimension::Number,
-            Kind::Written { numbers, .. } => numbers,
+            ValueKind::Quantity { bounds, .. } => bounds.dimension == Dimension::Number,
+            ValueKind::Written { numbers, .. } => numbers,
             _ => false,
         }
     }
@@ -237,18 +242,18 @@ impl Setting {
     /// An example, as written by users; `None` if any text is allowed.
     pub fn example(&self) -> Option<Value> {
         Some(match self.kind {
-            Kind::Text { .. } => return None,
-            Kind::File { example, .. } => Value::from(example),
-            Kind::Words { words, .. } => Value::from(words.first()?.name),
-            Kind::Flag { .. } => Value::Flag(true),
-            Kind::Whole { bounds, .. } => Value::Whole(bounds.example.into()),
-            Kind::Quantity { bounds: Bounds { example, .. }, .. }
-            | Kind::Written { example, .. } => {
+            ValueKind::Text { .. } => return None,
+            ValueKind::File { example, .. } => Value::from(example),
+            ValueKind::Words { words, .. } => Value::from(words.first()?.name),
+            ValueKind::Flag { .. } => Value::Flag(true),
+            ValueKind::Whole { bounds, .. } => Value::Whole(bounds.example.into()),
+            ValueKind::Quantity { bounds: Bounds { example, .. }, .. }
+            | ValueKind::Written { example, .. } => {
                 // A dimensionless number is written without quotes.
                 let number = example.parse().ok().filter(|_| self.unit() == Some(""));
                 number.map_or(Value::from(example), Value::Number)
             }
-            Kind::Named { example: (name, value), .. } => {
+            ValueKind::Named { example: (name, value), .. } => {
                 Value::Named([(name.to_owned(), Value::from(value))].into())
             }
         })
@@ -258,13 +263,13 @@ impl Setting {
     /// shape or the stability limit determines it.
     pub fn get(&self, run: &Run) -> Option<Value> {
         match self.kind {
-            Kind::Text { get, .. } | Kind::File { get, .. } => get(run).map(Value::Text),
-            Kind::Words { get, .. } => get(run).map(Value::from),
-            Kind::Flag { get, .. } => get(run).map(Value::Flag),
-            Kind::Whole { get, .. } => get(run).map(|number| Value::Whole(number.into())),
-            Kind::Quantity { bounds, get, .. } => get(run).map(|number| bounds.write(number)),
-            Kind::Written { get, .. } => get(run),
-            Kind::Named { get, .. } => {
+            ValueKind::Text { get, .. } | ValueKind::File { get, .. } => get(run).map(Value::Text),
+            ValueKind::Words { get, .. } => get(run).map(Value::from),
+            ValueKind::Flag { get, .. } => get(run).map(Value::Flag),
+            ValueKind::Whole { get, .. } => get(run).map(|number| Value::Whole(number.into())),
+            ValueKind::Quantity { bounds, get, .. } => get(run).map(|number| bounds.write(number)),
+            ValueKind::Written { get, .. } => get(run),
+            ValueKind::Named { get, .. } => {
                 get(run).filter(|values| !values.is_empty()).map(Value::Named)
             }
         }
@@ -277,7 +282,7 @@ impl Setting {
     pub fn accept(&self, value: Value) -> Result<Value, Failure> {
         let key = self.key;
         let fail = |problem| Err((key.to_owned(), problem));
-        let whole = matches!(self.kind, Kind::Whole { .. });
+        let whole = matches!(self.kind, ValueKind::Whole { .. });
         let value = match value {
             Value::Whole(number) if !whole => Value::Number(number as f64),
             value => value,
@@ -286,24 +291,26 @@ impl Setting {
             (_, Value::Number(value)) if !value.is_finite() => {
                 fail(Problem::NotFinite { key: key.to_owned(), value })
             }
-            (Kind::Words { words, .. }, Value::Text(word)) => {
+            (ValueKind::Words { words, .. }, Value::Text(word)) => {
                 if words.iter().any(|known| known.name == word) {
                     return Ok(Value::Text(word));
                 }
                 fail(Problem::unknown_word(key, &word, words.iter().map(|word| word.name)))
             }
-            (Kind::Whole { bounds, .. }, Value::Whole(number)) => match bounds.read(key, number) {
-                Ok(number) => Ok(Value::Whole(number.into())),
-                Err(problem) => fail(problem),
-            },
-            (Kind::Named { .. }, Value::Named(values)) => {
+            (ValueKind::Whole { bounds, .. }, Value::Whole(number)) => {
+                match bounds.read(key, number) {
+                    Ok(number) => Ok(Value::Whole(number.into())),
+                    Err(problem) => fail(problem),
+                }
+            }
+            (ValueKind::Named { .. }, Value::Named(values)) => {
                 let values = values.into_iter().map(|(name, value)| {
                     let number = named(&format!("{key}.{name}"), value)?;
                     Ok((name, number))
                 });
                 Ok(Value::Named(values.collect::<Result<_, Failure>>()?))
             }
-            (Kind::Flag { .. }, value @ Value::Flag(_)) => Ok(value),
+            (ValueKind::Flag { .. }, value @ Value::Flag(_)) => Ok(value),
             (_, value @ Value::Text(_)) if self.reads_text() => Ok(value),
             // A number without a required unit is passed on to the reader of units, which reports
             // it.
@@ -320,10 +327,12 @@ impl Setting {
     /// The type of its values, in a sentence.
     pub(crate) fn wanted(&self) -> &'static str {
         match self.kind {
-            Kind::Flag { .. } => "true or false",
-            Kind::Whole { .. } => "a whole number",
-            Kind::Named { .. } => "a table",
-            Kind::Quantity { .. } | Kind::Written { .. } if self.unit() == Some("") => "a number",
+            ValueKind::Flag { .. } => "true or false",
+            ValueKind::Whole { .. } => "a whole number",
+            ValueKind::Named { .. } => "a table",
+            ValueKind::Quantity { .. } | ValueKind::Written { .. } if self.unit() == Some("") => {
+                "a number"
+            }
             _ => "text in quotes",
         }
     }
@@ -340,30 +349,30 @@ impl Setting {
         let key = self.key;
         let accepted = self.accept(value.clone())?;
         let done = match (self.kind, &accepted) {
-            (Kind::Named { set, .. }, Value::Named(values)) => return set(run, values),
-            (Kind::Text { set, .. }, Value::Text(text)) => set(run, text),
-            (Kind::File { endings, words, set, .. }, Value::Text(path)) => {
+            (ValueKind::Named { set, .. }, Value::Named(values)) => return set(run, values),
+            (ValueKind::Text { set, .. }, Value::Text(text)) => set(run, text),
+            (ValueKind::File { endings, words, set, .. }, Value::Text(path)) => {
                 let is_word = words.contains(&path.as_str());
                 let checked =
                     if is_word { Ok(()) } else { check_ending(key, path, endings, words) };
                 checked.map(|()| set(run, path.clone()))
             }
-            (Kind::Words { words, set, .. }, Value::Text(word)) => {
+            (ValueKind::Words { words, set, .. }, Value::Text(word)) => {
                 set(run, word).ok_or_else(|| {
                     Problem::unknown_word(key, word, words.iter().map(|word| word.name))
                 })
             }
-            (Kind::Flag { set, .. }, Value::Flag(flag)) => {
+            (ValueKind::Flag { set, .. }, Value::Flag(flag)) => {
                 set(run, *flag);
                 Ok(())
             }
-            (Kind::Whole { bounds, set, .. }, Value::Whole(number)) => {
+            (ValueKind::Whole { bounds, set, .. }, Value::Whole(number)) => {
                 bounds.read(key, *number).map(|number| set(run, number))
             }
-            (Kind::Quantity { bounds, set, .. }, value) => {
+            (ValueKind::Quantity { bounds, set, .. }, value) => {
                 bounds.read(key, value).map(|number| set(run, number))
             }
-            (Kind::Written { set, .. }, value) => set(run, value),
+            (ValueKind::Written { set, .. }, value) => set(run, value),
             (_, value) => Err(Problem::Kind {
                 key: key.to_owned(),
                 found: value.described(),

@@ -7,7 +7,7 @@ use crate::mesh::lattice::{self, LatticeError};
 use crate::mesh::outline::{Outline, OutlineError};
 use crate::mesh::pixel_size::PixelSize;
 use crate::mesh::quality::{MeshReport, outline_dimensions};
-use crate::microscopy::cells::{CellError, Options, PictureCell, PictureCells};
+use crate::microscopy::cells::{CellError, PictureCell, PictureCells, PictureOptions};
 use crate::microscopy::outlines::{
     CoordinateUnit, OutlineFileError, Placement, ReadOptions, read_outlines,
 };
@@ -24,7 +24,7 @@ pub struct PictureSource {
     /// A file of outlines drawn on the picture, as written; `None` segments it.
     pub outline: Option<String>,
     /// Plane, pixel size and segmentation.
-    pub options: Options,
+    pub options: PictureOptions,
     /// The chosen cell.
     pub choice: Choice,
     /// Whether a cell may be cut by the frame.

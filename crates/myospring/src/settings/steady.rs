@@ -9,7 +9,7 @@
 use crate::cell::CellModel;
 use crate::cell::Input;
 use crate::cell::pacing::{Protocol, Stimulus};
-use crate::cell::solve::Settings;
+use crate::cell::solve::SolverSettings;
 use crate::cell::steady::{SteadyError, SteadyState, pace};
 use crate::interruption::Interruption;
 use serde::{Deserialize, Serialize};
@@ -64,7 +64,12 @@ fn bits(values: impl IntoIterator<Item = f64>) -> Vec<String> {
 }
 
 /// Everything that a steady state depends on.
-fn key(model: &dyn CellModel, protocol: Protocol, settings: Settings, tolerance: f64) -> String {
+fn key(
+    model: &dyn CellModel,
+    protocol: Protocol,
+    settings: SolverSettings,
+    tolerance: f64,
+) -> String {
     let parameters = model.parameters().rows().iter();
     let parameters: Vec<String> =
         parameters.map(|row| format!("{}={:e}", row.name, row.value)).collect();
@@ -106,7 +111,7 @@ fn key(model: &dyn CellModel, protocol: Protocol, settings: Settings, tolerance:
 pub(super) fn steady_state(
     model: &Arc<dyn CellModel>,
     protocol: Protocol,
-    settings: Settings,
+    settings: SolverSettings,
     tolerance: f64,
     folder: Option<&Path>,
     interruption: &Interruption,
@@ -198,7 +203,7 @@ mod tests {
                 settings,
                 1e-3,
             ),
-            key(&*model, pacing, Settings { step_ms: 0.01, ..settings }, 1e-3),
+            key(&*model, pacing, SolverSettings { step_ms: 0.01, ..settings }, 1e-3),
             key(&*model, pacing, settings, 1e-4),
             key(&*cell::model("bueno_orovio_2008_epi").unwrap(), pacing, settings, 1e-3),
         ];

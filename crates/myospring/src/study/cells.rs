@@ -7,7 +7,7 @@
 //! # Example
 //! Cells whose slow inward current differs:
 //! ```
-//! use myospring::cell::solve::{Method, Settings};
+//! use myospring::cell::solve::{CellMethod, SolverSettings};
 //! use myospring::cell::{self, pacing::Protocol};
 //! use myospring::study::cells::{PacedCell, run, settings};
 //! use myospring::study::{Journal, Threads};
@@ -22,7 +22,7 @@
 //!     cells.push(PacedCell { name: format!("{percent} %"), model, protocol, duration_ms: 600.0 });
 //! }
 //! # let folder = tempfile::tempdir()?;
-//! let method = Settings::of(Method::Adaptive);
+//! let method = SolverSettings::of(CellMethod::Adaptive);
 //! let journal = Journal::open(&folder.path().join("tau_si"), &settings(method))?;
 //! let report = run(&cells, method, &journal, &Threads::new(None)?, &())?;
 //! let apd: Vec<f64> = report.rows.iter().filter_map(|row| row.beat?.apd90_ms).collect();
@@ -31,13 +31,13 @@
 //! ```
 
 use super::{
-    Cause, Interrupted, Journal, Member, Observer, Report, Row, Status, StudyError, Threads,
-    run_together, sha256,
+    Cause, Interrupted, Journal, Member, Row, Status, StudyError, StudyObserver, StudyReport,
+    Threads, run_together, sha256,
 };
 use crate::cell::CellModel;
-use crate::cell::batch::{self, BatchSettings, Beat, Paced, TOGETHER};
+use crate::cell::batch::{self, BatchSettings, CellBeat, Paced, TOGETHER};
 use crate::cell::pacing::Protocol;
-use crate::cell::solve::{Settings, SolveError};
+use crate::cell::solve::{SolveError, SolverSettings};
 use crate::output::table::{Column, Table};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
@@ -95,7 +95,7 @@ pub struct BeatRow {
     /// Number of the beat, from 1.
     pub number: Option<u32>,
     /// The beat.
-    pub beat: Option<Beat>,
+    pub beat: Option<CellBeat>,
 }
 
 impl Row for BeatRow {
@@ -140,7 +140,7 @@ impl BeatRow {
     }
 
     /// Returns one row per beat of a cell, or one row without a beat if it has none.
-    fn of(cell: &str, beats: Vec<Beat>) -> Vec<Self> {
+    fn of(cell: &str, beats: Vec<CellBeat>) -> Vec<Self> {
         if beats.is_empty() {
             return vec![Self::at_rest(cell)];
         }
@@ -152,8 +152,8 @@ impl BeatRow {
 }
 
 /// Returns, as text for [`Journal::open`], the settings on which the rows depend besides the cells.
-pub fn settings(method: Settings) -> String {
-    let Settings { method, step_ms, tolerance } = method;
+pub fn settings(method: SolverSettings) -> String {
+    let SolverSettings { method, step_ms, tolerance } = method;
     let version = env!("CARGO_PKG_VERSION");
     format!(
         "# What the beats in this folder depend on.\n# version {version}\nmethod = \"{method}\"\n\
@@ -167,11 +167,11 @@ pub fn settings(method: Settings) -> String {
 /// An invalid step or tolerance, and those of [`run`](super::run).
 pub fn run(
     cells: &[PacedCell],
-    method: Settings,
+    method: SolverSettings,
     journal: &Journal<PacedCell>,
     threads: &Threads,
-    observer: &impl Observer<PacedCell>,
-) -> Result<Report<BeatRow>, StudyError> {
+    observer: &impl StudyObserver<PacedCell>,
+) -> Result<StudyReport<BeatRow>, StudyError> {
     method.validate()?;
     let settings = BatchSettings { method, sample_interval_ms: None };
     // A few cells are distributed among all threads.

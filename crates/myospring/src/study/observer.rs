@@ -4,7 +4,7 @@ use super::{Cause, Member};
 use crate::interruption::Interruption;
 use std::time::Duration;
 
-/// How often [`Observer::table`] is called while members are under way.
+/// How often [`StudyObserver::table`] is called while members are under way.
 pub const TABLE_EVERY: Duration = Duration::from_secs(5);
 
 /// Returns the message for members whose recorded results are damaged.
@@ -23,7 +23,7 @@ pub fn changed(count: usize, members: &str) -> String {
 }
 
 /// Is told about the progress of a study; `()` ignores it.
-pub trait Observer<M: Member>: Sync {
+pub trait StudyObserver<M: Member>: Sync {
     /// Called when the study begins: the number of members finished before, and of all members.
     fn begins(&self, _done: usize, _members: usize) {}
 
@@ -44,7 +44,7 @@ pub trait Observer<M: Member>: Sync {
         Interruption::default()
     }
 
-    /// Whether [`Observer::table`] is called while members are in progress; with very many members
+    /// Whether [`StudyObserver::table`] is called while members are in progress; with very many members
     /// that takes long.
     fn wants_tables(&self) -> bool {
         true
@@ -60,4 +60,4 @@ pub trait Observer<M: Member>: Sync {
     }
 }
 
-impl<M: Member> Observer<M> for () {}
+impl<M: Member> StudyObserver<M> for () {}

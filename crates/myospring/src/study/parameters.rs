@@ -53,7 +53,7 @@ mod values;
 mod work;
 
 pub use answer::{Acceptance, Answer, Ranked, Rejected, Sensitivity};
-pub use description::{Design, Kept, Kind, ParameterStudy, Varied, Which};
+pub use description::{AcceptanceBand, CountedBeat, Design, MemberKind, ParameterStudy, Varied};
 pub use error::ParameterStudyError;
 pub use figures::Drawn;
 pub use member::{Variation, VariationRow};
@@ -63,7 +63,7 @@ pub use traces::{TRACES, TraceAxes, merge_traces, with_whole_curves};
 pub use values::Values;
 pub use work::Common;
 
-use super::{Journal, Observer, Report, StudyError, Threads, run_together};
+use super::{Journal, StudyError, StudyObserver, StudyReport, Threads, run_together};
 use crate::cell::batch::TOGETHER;
 use std::num::NonZeroUsize;
 
@@ -88,8 +88,8 @@ pub fn run(
     part: Shard,
     journal: &Journal<Variation>,
     threads: &Threads,
-    observer: &impl Observer<Variation>,
-) -> Result<Report<VariationRow>, StudyError> {
+    observer: &impl StudyObserver<Variation>,
+) -> Result<StudyReport<VariationRow>, StudyError> {
     run_members(common, &study.members(part), journal, threads, observer)
 }
 
@@ -102,14 +102,14 @@ pub fn run_members(
     members: &[Variation],
     journal: &Journal<Variation>,
     threads: &Threads,
-    observer: &impl Observer<Variation>,
-) -> Result<Report<VariationRow>, StudyError> {
+    observer: &impl StudyObserver<Variation>,
+) -> Result<StudyReport<VariationRow>, StudyError> {
     common.check_curves(members, journal)?;
     let shares = |groups: usize| members.len().div_ceil(groups * threads.count());
     let together = match common.kind() {
-        Kind::Cell if common.tells_beats => shares(1).clamp(1, CELLS_TOGETHER),
-        Kind::Cell => shares(1).clamp(1, SAMPLED_CELLS_TOGETHER),
-        Kind::Beat => shares(GROUPS).clamp(1, BEATS_TOGETHER),
+        MemberKind::Cell if common.tells_beats => shares(1).clamp(1, CELLS_TOGETHER),
+        MemberKind::Cell => shares(1).clamp(1, SAMPLED_CELLS_TOGETHER),
+        MemberKind::Beat => shares(GROUPS).clamp(1, BEATS_TOGETHER),
     };
     let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
     let interruption = observer.interruption();

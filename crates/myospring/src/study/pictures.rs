@@ -6,7 +6,7 @@ mod row;
 mod table;
 
 pub use row::CellRow;
-pub use table::{Given, TableError, read_table};
+pub use table::{TableError, TableSetting, read_table};
 
 use left_out::{LeftOut, notes};
 
@@ -16,7 +16,7 @@ use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::segment::Choice;
 use crate::output::files;
 use crate::output::report::Summary;
-use crate::settings::{Fibres, Made, PictureSource, Run, ShapeError, Source};
+use crate::settings::{Fibres, MeshedRun, PictureSource, Run, ShapeError, Source};
 use crate::simulation::{Outcome, Simulation, StopReason};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -36,7 +36,7 @@ pub struct Picture {
     /// Group to which it belongs, for statistics.
     pub group: Option<String>,
     /// Its own settings.
-    pub given: Vec<Given>,
+    pub given: Vec<TableSetting>,
     /// Files that these settings name.
     pub files: Vec<PathBuf>,
 }
@@ -81,7 +81,7 @@ impl Member for Picture {
 /// an unexpected area are skipped with the reason, unless one is chosen explicitly: by its number,
 /// label or position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Which {
+pub enum ChosenCell {
     /// All cells.
     Every,
     /// The cell that the run chooses; it is an error if the frame cuts it.
@@ -89,7 +89,7 @@ pub enum Which {
 }
 
 /// A simulated cell.
-pub struct Beaten<'a> {
+pub struct SimulatedCell<'a> {
     /// The picture.
     pub picture: &'a Picture,
     /// Name of the cell.
@@ -132,7 +132,7 @@ pub trait Keeper: Sync {
     ///
     /// # Errors
     /// Whatever cannot be written; the cell fails.
-    fn beaten(&self, _beaten: &Beaten<'_>) -> Result<(), Cause> {
+    fn beaten(&self, _beaten: &SimulatedCell<'_>) -> Result<(), Cause> {
         Ok(())
     }
 }
@@ -149,7 +149,7 @@ impl Keeper for () {}
 pub fn rows(
     picture: &Picture,
     run: &Run,
-    which: Which,
+    which: ChosenCell,
     keeper: &impl Keeper,
 ) -> Result<Vec<CellRow>, Cause> {
     let mut rows = match found_and_beaten(picture, run, which, keeper) {
@@ -167,7 +167,7 @@ pub fn rows(
 fn found_and_beaten(
     picture: &Picture,
     run: &Run,
-    which: Which,
+    which: ChosenCell,
     keeper: &impl Keeper,
 ) -> Result<Vec<CellRow>, Cause> {
     let start = Instant::now();
@@ -193,7 +193,7 @@ fn found_and_beaten(
     let segment_s = start.elapsed().as_secs_f64();
     let (chosen, mut rows) =
         chosen(source, &cells, which, &picture.file).map_err(|cause| refused(&cells, cause))?;
-    let pointed_at = which == Which::Chosen && source.choice != Choice::Largest;
+    let pointed_at = which == ChosenCell::Chosen && source.choice != Choice::Largest;
     let reason = |cell: &PictureCell| {
         if pointed_at { None } else { LeftOut::of(&cells, cell, source.allow_cut) }
     };
@@ -229,10 +229,10 @@ fn found_and_beaten(
 fn chosen(
     source: &PictureSource,
     cells: &PictureCells,
-    which: Which,
+    which: ChosenCell,
     picture: &str,
 ) -> Result<(Vec<PictureCell>, Vec<CellRow>), ShapeError> {
-    if which == Which::Chosen {
+    if which == ChosenCell::Chosen {
         let cell = cells.cell(source.choice, source.allow_cut);
         return Ok((vec![cell.map_err(|cause| source.failed(cause))?], Vec::new()));
     }
@@ -261,7 +261,7 @@ fn beat(
     let start = Instant::now();
     let (name, number) = (cell.name.clone(), cell.number);
     let shaped = run.shape.mesh_cell(cells.clone(), cell)?;
-    let Made { simulation, report, outline, fibres, .. } =
+    let MeshedRun { simulation, report, outline, fibres, .. } =
         run.make(shaped, |file| files::read(file.as_ref()))?;
     let spacing_um = report.spacing_um;
     row.number("spacing_um", spacing_um);
@@ -287,7 +287,7 @@ fn beat(
         *choice = Choice::Number(number);
     }
     let (simulation, finished, run) = (&simulation, &finished, &own);
-    keeper.beaten(&Beaten {
+    keeper.beaten(&SimulatedCell {
         picture,
         cell: &name,
         run,

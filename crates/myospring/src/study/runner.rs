@@ -1,7 +1,8 @@
 //! Loop over the members of a study.
 
 use super::{
-    Cause, Interrupted, Journal, Member, Observer, Row, Status, StudyError, TABLE_EVERY, Threads,
+    Cause, Interrupted, Journal, Member, Row, Status, StudyError, StudyObserver, TABLE_EVERY,
+    Threads,
 };
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -12,7 +13,7 @@ use std::time::Instant;
 
 /// Result of a study.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Report<R> {
+pub struct StudyReport<R> {
     /// Number of members that were finished before.
     pub resumed: usize,
     /// Whether the observer stopped the study before its end.
@@ -21,7 +22,7 @@ pub struct Report<R> {
     pub rows: Vec<R>,
 }
 
-impl<R: Row> Report<R> {
+impl<R: Row> StudyReport<R> {
     /// Returns the number of rows with this status.
     pub fn count(&self, status: Status) -> usize {
         self.rows.iter().filter(|row| row.status() == status).count()
@@ -40,9 +41,9 @@ pub fn run<M: Member>(
     members: &[M],
     journal: &Journal<M>,
     threads: &Threads,
-    observer: &impl Observer<M>,
+    observer: &impl StudyObserver<M>,
     work: impl Fn(&M) -> Result<Vec<M::Row>, Cause> + Sync,
-) -> Result<Report<M::Row>, StudyError> {
+) -> Result<StudyReport<M::Row>, StudyError> {
     let work = |group: &[&M]| group.iter().map(|member| work(member)).collect();
     run_together(members, journal, threads, observer, NonZeroUsize::MIN, work)
 }
@@ -56,10 +57,10 @@ pub fn run_together<M: Member>(
     members: &[M],
     journal: &Journal<M>,
     threads: &Threads,
-    observer: &impl Observer<M>,
+    observer: &impl StudyObserver<M>,
     together: NonZeroUsize,
     work: impl Fn(&[&M]) -> Vec<Result<Vec<M::Row>, Cause>> + Sync,
-) -> Result<Report<M::Row>, StudyError> {
+) -> Result<StudyReport<M::Row>, StudyError> {
     if let Some(name) = twice(members) {
         return Err(StudyError::SameName { name: name.to_owned() });
     }
@@ -103,7 +104,7 @@ pub fn run_together<M: Member>(
     };
     let rows = journal.rows(members)?;
     observer.table(&rows).map_err(StudyError::Observer)?;
-    Ok(Report { resumed, stopped, rows })
+    Ok(StudyReport { resumed, stopped, rows })
 }
 
 /// Returns a name that two members have.

@@ -44,12 +44,12 @@ pub(super) use random::Random;
 
 /// Parameter values, one row per member; each row is computed when it is requested.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub struct ParameterSample {
     points: Points,
     distributions: Vec<Distribution>,
 }
 
-impl Sample {
+impl ParameterSample {
     /// Returns the number of rows.
     pub fn count(&self) -> usize {
         self.points.count()
@@ -81,11 +81,11 @@ pub fn sample(
     sampler: &Sampler,
     distributions: &[Distribution],
     seed: u64,
-) -> Result<Sample, SamplingError> {
+) -> Result<ParameterSample, SamplingError> {
     distributions.iter().try_for_each(Distribution::check)?;
     let varied = distributions.iter().filter(|distribution| !distribution.is_fixed()).count();
     let points = sampler.unit_cube(varied, seed)?;
-    Ok(Sample { points, distributions: distributions.to_vec() })
+    Ok(ParameterSample { points, distributions: distributions.to_vec() })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What a film says of the cell at its peak.
 
 use crate::mesh::Mesh;
-use crate::microscopy::motion::Motion;
+use crate::microscopy::motion::CellMotion;
 
 /// Frames this near to the greatest contraction are of the peak, and this near to none are of rest; parts of it.
 pub(super) const NEAR: f64 = 0.1;
@@ -25,7 +25,7 @@ impl ObservedPeak {
     /// The peak of a film: the mean of the frames within a tenth of the greatest contraction along the smaller principal
     /// stretch, less that of the frames as near to rest. So noise is averaged, that of the frame at rest, too. A point
     /// counts where it was found in half of the frames of the peak.
-    pub fn at_peak(motion: &Motion) -> Self {
+    pub fn at_peak(motion: &CellMotion) -> Self {
         let contraction: Vec<f64> =
             motion.stretches().iter().map(|stretches| 1.0 - stretches.smaller).collect();
         let seen = motion.seen_frames();

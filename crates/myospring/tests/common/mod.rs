@@ -33,10 +33,10 @@ pub(crate) fn pixels_of(um: f64) -> PixelSize {
 /// The largest cell of a mask, whose pixels are 0.27 um wide.
 #[cfg(feature = "microscopy")]
 pub(crate) fn mask(file: PathBuf) -> myospring::mesh::mask::Mask {
-    use myospring::microscopy::cells::{Options, PictureCells};
+    use myospring::microscopy::cells::{PictureCells, PictureOptions};
     use myospring::microscopy::segment::Choice;
     let bytes = std::fs::read(file).expect("the file is there");
-    let options = Options { pixel_size: Some(pixels_of(0.27)), ..Options::default() };
+    let options = PictureOptions { pixel_size: Some(pixels_of(0.27)), ..PictureOptions::default() };
     let cells = PictureCells::find(&bytes, &options).expect("a mask has a cell");
     assert_eq!(cells.modality(), "mask");
     cells.cell(Choice::Largest, false).expect("the largest cell is whole").mask

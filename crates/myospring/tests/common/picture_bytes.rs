@@ -1,10 +1,10 @@
 //! Any bytes as a picture, and as one that holds cells: an answer or an error, in little time and memory.
 
 use myospring::mesh::pixel_size::PixelSize;
-use myospring::microscopy::cells::{Options, PictureCells};
+use myospring::microscopy::cells::{PictureCells, PictureOptions};
 use myospring::microscopy::picture::{Depth, Selection};
 use myospring::microscopy::read::read_picture;
-use myospring::microscopy::segment::{Choice, Modality, Settings};
+use myospring::microscopy::segment::{Choice, Modality, SegmentationSettings};
 
 /// Most pixels that are also segmented, so that many pictures can be tried.
 const FEW: usize = 1 << 14;
@@ -21,12 +21,12 @@ pub(crate) fn exercise(bytes: &[u8]) -> usize {
             continue;
         }
         for modality in [Modality::Mask, Modality::Fluorescence, Modality::Brightfield] {
-            let segmentation = Settings { modality, ..Settings::default() };
-            let options = Options {
+            let segmentation = SegmentationSettings { modality, ..SegmentationSettings::default() };
+            let options = PictureOptions {
                 selection,
                 pixel_size: Some(PixelSize::MICROMETRE),
                 segmentation,
-                ..Options::default()
+                ..PictureOptions::default()
             };
             if let Ok(cells) = PictureCells::find(bytes, &options) {
                 let _ = cells.cell(Choice::Largest, true);

@@ -8,7 +8,7 @@ use myospring::mechanics::Tension;
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::{Mesh, lattice};
 use myospring::microscopy::film::Film;
-use myospring::microscopy::motion::{self, Cell, Motion, Rest, Settings};
+use myospring::microscopy::motion::{self, CellAtRest, CellMotion, Rest, TrackingSettings};
 use myospring::microscopy::picture::Selection;
 use myospring::simulation::Simulation;
 
@@ -92,13 +92,14 @@ impl Pulled {
     }
 
     /// The motion of a mesh of the cell through its film.
-    pub(crate) fn followed(&self, mesh: &Mesh) -> Motion {
+    pub(crate) fn followed(&self, mesh: &Mesh) -> CellMotion {
         let (film, mask) = (self.film(), self.scene.mask());
         let inside = mask.inside();
         let pixel_size = mask.pixel_size();
-        let cell = Cell { mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
+        let cell =
+            CellAtRest { mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
         let rest = Rest::at(&film, 0).unwrap();
-        motion::follow(&film, rest, &cell, Settings::at(50.0), |_| true).unwrap()
+        motion::follow(&film, rest, &cell, TrackingSettings::at(50.0), |_| true).unwrap()
     }
 }
 

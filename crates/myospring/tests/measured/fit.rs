@@ -1,7 +1,7 @@
 //! Fits of curves whose truth is known.
 
 use myospring::fit::{
-    Fit, FitVerdict, Fitter, Loaded, Observed, Scale, Settings, Stimuli, Unknown, Verdict,
+    Fit, FitSettings, FitVerdict, Fitter, Loaded, Observed, Scale, Stimuli, Unknown, Verdict,
 };
 use myospring::mechanics::material::Stiffness;
 use myospring::mechanics::support::SupportKind;
@@ -37,14 +37,14 @@ fn observed(values: Vec<f64>, scale: Scale) -> Observed {
     Observed { name: "cell".into(), times_ms: times(), values, scale, unit: "um".into(), stimuli }
 }
 
-fn free(names: &[&str]) -> Settings {
-    Settings {
+fn free(names: &[&str]) -> FitSettings {
+    FitSettings {
         free: Some(names.iter().map(|name| Unknown::named(name)).collect()),
-        ..Settings::default()
+        ..FitSettings::default()
     }
 }
 
-fn fitted(fitter: &Fitter, observed: Observed, settings: &Settings) -> Fit {
+fn fitted(fitter: &Fitter, observed: Observed, settings: &FitSettings) -> Fit {
     fitter.fit(&[observed], settings, &|_| true).unwrap().unwrap()
 }
 
@@ -137,7 +137,7 @@ fn modulus_and_tension_under_known_loads_are_as_sure_as_an_independent_program_f
         Loaded { support, observed: Observed { name: format!("{support:?}"), ..observed } }
     };
     let springs = |stiffness: f64| SupportKind::SpringHeldEnds { stiffness };
-    let settings = Settings { starts: 2, ..free(&["tension_over_stiffness", "young_modulus"]) };
+    let settings = FitSettings { starts: 2, ..free(&["tension_over_stiffness", "young_modulus"]) };
     let unloaded = curve(SupportKind::MassCentre, 1);
     let fitter = Fitter::new(bar(SupportKind::MassCentre)).unwrap();
     let sure = |curves: &[Loaded]| {
@@ -177,7 +177,7 @@ fn a_model_that_does_not_fit_states_no_interval_and_says_where_it_is_off_and_wha
     // Whatever the noise, as long as it does not hide the misfit.
     for noise in [1e-9, 1e-4, 0.01] {
         let noisy = observed(with_noise(&curve, noise * height, 1), Scale::Length);
-        let fit = fitted(&fast, noisy, &Settings::default());
+        let fit = fitted(&fast, noisy, &FitSettings::default());
         assert_eq!(fit.verdict, FitVerdict::DoesNotFit, "{noise}: {}", fit.curves[0].unexplained);
         for estimate in &fit.estimates {
             assert_eq!((estimate.interval, estimate.standard_deviation), ([None; 2], None));
@@ -198,7 +198,7 @@ fn a_model_that_fits_says_so_whatever_the_noise_the_frame_rate_and_the_number_of
     let fitter = fitter("[shape]\nspacing = \"7 um\"");
     let one = fitter.curve(&[], LENGTH, &times()).unwrap();
     let height = LENGTH - one.iter().copied().fold(LENGTH, f64::min);
-    let settings = Settings { starts: 2, ..Settings::default() };
+    let settings = FitSettings { starts: 2, ..FitSettings::default() };
     for (noise, rate, beats) in
         [(1e-9, 250.0, 1), (1e-4, 30.0, 1), (0.02, 1000.0, 1), (0.2, 250.0, 4), (0.05, 60.0, 3)]
     {
@@ -233,8 +233,11 @@ fn a_small_misfit_that_is_sure_to_be_there_widens_the_intervals_so_that_they_hol
     let wave = |time: f64| 0.03 * height * (std::f64::consts::TAU * time / 324.0).sin();
     let off: Vec<f64> =
         curve.iter().zip(times()).map(|(length, time)| length + wave(time)).collect();
-    let fit =
-        fitted(&fitter, observed(with_noise(&off, 0.02, 4), Scale::Length), &Settings::default());
+    let fit = fitted(
+        &fitter,
+        observed(with_noise(&off, 0.02, 4), Scale::Length),
+        &FitSettings::default(),
+    );
     assert_eq!(fit.verdict, FitVerdict::FitsNearly, "{}", fit.curves[0].unexplained);
     assert!(fit.verdicts[0].contains("the intervals count this"), "{}", fit.verdicts[0]);
     let wider = (fit.variance_factor * fit.rise_at_ends / 3.84).sqrt();
@@ -258,7 +261,7 @@ fn a_small_misfit_that_is_sure_to_be_there_widens_the_intervals_so_that_they_hol
 #[test]
 fn square_waves_and_ramps_are_no_beats_of_a_cell() {
     let fitter = fitter("[shape]\nspacing = \"7 um\"");
-    let settings = Settings { starts: 2, ..Settings::default() };
+    let settings = FitSettings { starts: 2, ..FitSettings::default() };
     let square = |time: f64| if (60.0..300.0).contains(&time) { 10.0 } else { 0.0 };
     let ramp = |time: f64| 10.0 * ((time - 60.0) / 500.0).clamp(0.0, 1.0);
     let shapes: [&dyn Fn(f64) -> f64; 2] = [&square, &ramp];
@@ -275,7 +278,7 @@ fn myofilaments_that_feel_their_length_find_their_own_curve() {
     let fitter = fitter("[cell]\nmodel = \"land_2017\"\n[numerics]\nintegrator = \"quasi-static\"");
     let factors = [("tension_over_stiffness", 0.9), ("k_ws", 1.1)];
     let curve = fitter.curve(&factors, LENGTH, &times()).unwrap();
-    let settings = Settings { starts: 2, ..Settings::default() };
+    let settings = FitSettings { starts: 2, ..FitSettings::default() };
     let fit = fitted(&fitter, observed(with_noise(&curve, 0.1, 9), Scale::Length), &settings);
     for (name, factor) in factors {
         let estimate = fit.estimate(name).unwrap();
@@ -362,10 +365,10 @@ fn cells_shorten_in_a_fit_as_they_do_in_a_run() {
 fn single_bad_frames_move_nothing_and_are_counted() {
     let fitter = fitter("");
     let mut values = with_noise(&fitter.curve(&[], LENGTH, &times()).unwrap(), 0.1, 2);
-    let sound = fitted(&fitter, observed(values.clone(), Scale::Length), &Settings::default());
+    let sound = fitted(&fitter, observed(values.clone(), Scale::Length), &FitSettings::default());
     values[70] += 6.0;
     values[31] -= 4.0;
-    let fit = fitted(&fitter, observed(values, Scale::Length), &Settings::default());
+    let fit = fitted(&fitter, observed(values, Scale::Length), &FitSettings::default());
     let bad = |fit: &Fit| fit.curves[0].used.iter().filter(|used| !**used).count();
     assert_eq!((bad(&sound), bad(&fit)), (0, 2));
     for (with, without) in fit.estimates.iter().zip(&sound.estimates) {
@@ -379,7 +382,7 @@ fn a_height_in_arbitrary_units_says_nothing_of_the_tension() {
     let fitter = fitter("");
     let curve = fitter.curve(&[("c_0", 1.2)], LENGTH, &times()).unwrap();
     let values = with_noise(&curve, 0.1, 4).iter().map(|length| 7.0 * (LENGTH - length)).collect();
-    let fit = fitted(&fitter, observed(values, Scale::Arbitrary), &Settings::default());
+    let fit = fitted(&fitter, observed(values, Scale::Arbitrary), &FitSettings::default());
     assert!(fit.estimate("tension_over_stiffness").is_none());
     let rate = fit.estimate("c_0").unwrap();
     assert!((rate.value / (1.2 * 0.0166016) - 1.0).abs() < 0.03, "{}", rate.value);

@@ -19,10 +19,10 @@ mod workbooks;
 
 use myospring::analysis::curve::{self, CurveBeat, State};
 use myospring::analysis::value;
-use myospring::measured::{Column, Kind, Options, read};
+use myospring::measured::{Column, Kind, TableOptions, read};
 
-fn at_30_per_s() -> Options {
-    Options { frame_rate_per_s: Some(30.0), ..Options::default() }
+fn at_30_per_s() -> TableOptions {
+    TableOptions { frame_rate_per_s: Some(30.0), ..TableOptions::default() }
 }
 
 #[test]
@@ -37,10 +37,10 @@ fn sarc_graphs_sarcomeres_by_frames_are_read_as_they_stand() {
         let mean = curve.values.iter().sum::<f64>() / 146.0;
         assert!((mean - 1.0).abs() < 0.02, "{}: {mean}", curve.name);
     }
-    let mean = read(&path, &Options { mean: true, ..at_30_per_s() }).unwrap();
+    let mean = read(&path, &TableOptions { mean: true, ..at_30_per_s() }).unwrap();
     let tidy = common::shared_data("curves/sarcgraph_e1_curves.csv").unwrap();
     let values = vec![Column::of("mean_norm_sarc_len")];
-    let tidy = read(&tidy, &Options { values, ..at_30_per_s() }).unwrap();
+    let tidy = read(&tidy, &TableOptions { values, ..at_30_per_s() }).unwrap();
     assert_eq!(tidy.curves[0].kind, Kind::NormalisedLength);
     assert_eq!(tidy.curves[0].times_ms, mean.curves[0].times_ms);
     // Six digits of the tidy file.
@@ -63,10 +63,10 @@ fn a_tidy_table_of_stretches_has_a_curve_in_each_column() {
 fn the_three_beats_of_a_real_cell_are_found_in_every_curve_of_its_authors() {
     let file = "curves/E1_sarcomere_norm_length_timeseries.csv";
     let Some(path) = common::shared_data(file) else { return };
-    let mean = read(&path, &Options { mean: true, ..at_30_per_s() }).unwrap();
+    let mean = read(&path, &TableOptions { mean: true, ..at_30_per_s() }).unwrap();
     let tidy = common::shared_data("curves/sarcgraph_e1_curves.csv").unwrap();
     let values = vec![Column::of("lambda1")];
-    let tidy = read(&tidy, &Options { values, ..at_30_per_s() }).unwrap();
+    let tidy = read(&tidy, &TableOptions { values, ..at_30_per_s() }).unwrap();
     for table in [mean, tidy] {
         let curve = &table.curves[0];
         let analysis = curve::analyse(
@@ -74,7 +74,7 @@ fn the_three_beats_of_a_real_cell_are_found_in_every_curve_of_its_authors() {
             &curve.values,
             curve.kind,
             curve.unit,
-            &curve::Options::default(),
+            &curve::CurveOptions::default(),
         );
         let analysis = analysis.unwrap();
         let whole = |beat: &&CurveBeat| beat.state == State::Whole;
@@ -97,9 +97,9 @@ fn the_three_beats_of_a_real_cell_are_found_in_every_curve_of_its_authors() {
 #[test]
 fn the_beat_after_a_real_artefact_is_found_named_and_counts_in_no_mean() {
     let Some(path) = common::shared_data("curves/mm_ref.tsv") else { return };
-    let table = read(&path, &Options::default()).unwrap();
+    let table = read(&path, &TableOptions::default()).unwrap();
     let curve = &table.curves[0];
-    let options = curve::Options::default();
+    let options = curve::CurveOptions::default();
     let found =
         curve::analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options).unwrap();
     assert!(found.treatment.rises);

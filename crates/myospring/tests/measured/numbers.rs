@@ -1,6 +1,6 @@
 //! Metrics of curves whose numbers are known in closed form, as a table: metric, closed form, how far frames let it be off.
 
-use myospring::analysis::curve::{Options, analyse};
+use myospring::analysis::curve::{CurveOptions, analyse};
 use myospring::analysis::kind::Kind;
 use std::f64::consts::PI;
 
@@ -42,7 +42,7 @@ fn metrics_have_their_closed_forms_at_any_frame_rate() {
         };
         let length: Vec<f64> = times.iter().map(length).collect();
         let stimuli_ms = (0..5).map(|beat| 300.0 + 1000.0 * f64::from(beat)).collect();
-        let options = Options { stimuli_ms, ..Options::default() };
+        let options = CurveOptions { stimuli_ms, ..CurveOptions::default() };
         let found = analyse(&times, &length, Kind::Length, "um", &options).unwrap();
         for Row(name, closed_form, [fixed, per_ms2]) in ROWS {
             let (ours, known) = (found.mean(name).unwrap(), closed_form());

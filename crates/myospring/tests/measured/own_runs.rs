@@ -5,7 +5,7 @@ use myospring::analysis::beat::Beats;
 use myospring::analysis::curve::{self, Analysis};
 use myospring::analysis::value;
 use myospring::cell::{self, TensionKind};
-use myospring::measured::{Column, Curve, Kind, Options, Table, read_bytes};
+use myospring::measured::{Column, Curve, Kind, Table, TableOptions, read_bytes};
 use myospring::output::csv::traces;
 use myospring::prelude::*;
 use std::sync::Arc;
@@ -27,12 +27,12 @@ fn beaten(model: &str) -> (Beats, Table, String) {
     simulation.numerics.method = Method::QuasiStatic;
     let outcome = simulation.build().unwrap().run(|_progress| true);
     let csv = traces(&outcome.recording).unwrap();
-    let table = read_bytes("traces.csv", csv.as_bytes(), &Options::default()).unwrap();
+    let table = read_bytes("traces.csv", csv.as_bytes(), &TableOptions::default()).unwrap();
     (outcome.beats(), table, csv)
 }
 
 fn analysed(curve: &Curve, beats: &Beats) -> Analysis {
-    let options = curve::Options {
+    let options = curve::CurveOptions {
         stimuli_ms: beats.iter().map(|beat| beat.stimulus_ms).collect(),
         keep_drift: true,
         smoothing_ms: Some(0.0),
@@ -76,7 +76,7 @@ fn the_curves_of_every_models_run_measure_as_the_run_says() {
         let mut compared = 0;
         let chosen = |column: &str, kind| {
             let values = vec![Column::of(column)];
-            let options = Options { values, kind, ..Options::default() };
+            let options = TableOptions { values, kind, ..TableOptions::default() };
             read_bytes("traces.csv", csv.as_bytes(), &options).unwrap().curves.remove(0)
         };
         // A potential without a unit does not say that it is one.

@@ -3,7 +3,7 @@
 use crate::common;
 use crate::workbook_bytes;
 use myospring::analysis::curve as curves;
-use myospring::measured::{Column, Kind, Options, Table, read, read_bytes};
+use myospring::measured::{Column, Kind, Table, TableOptions, read, read_bytes};
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ fn corpus(name: &str) -> (PathBuf, Vec<u8>) {
 
 fn table(name: &str) -> Table {
     let (path, bytes) = corpus(name);
-    read_bytes(&path.to_string_lossy(), &bytes, &Options::default())
+    read_bytes(&path.to_string_lossy(), &bytes, &TableOptions::default())
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -39,10 +39,10 @@ fn sheets_are_read_as_text_is() {
     assert_eq!((two.curves[0].kind, two.curves[0].unit), (Kind::Force, "nN"));
     let (path, bytes) = corpus("two_sheets.xlsx");
     let path = path.to_string_lossy();
-    let options = Options { sheets: vec![Column::of("2")], ..Options::default() };
+    let options = TableOptions { sheets: vec![Column::of("2")], ..TableOptions::default() };
     let second = read_bytes(&path, &bytes, &options).unwrap();
     assert_eq!((second.curves.len(), &*second.curves[0].name), (1, "force (mN)"));
-    let options = Options { sheets: vec![Column::of("third")], ..Options::default() };
+    let options = TableOptions { sheets: vec![Column::of("third")], ..TableOptions::default() };
     let said = read_bytes(&path, &bytes, &options).unwrap_err().to_string();
     assert!(said.contains("no sheet `third`; its sheets are `first`, `second`"), "{said}");
 }
@@ -76,7 +76,7 @@ fn workbooks_beyond_the_bounds_are_refused() {
         [("wide_rows.xlsx", "fields"), ("many_texts.xlsx", "list of texts is damaged")]
     {
         let (path, bytes) = corpus(name);
-        let found = read_bytes(&path.to_string_lossy(), &bytes, &Options::default());
+        let found = read_bytes(&path.to_string_lossy(), &bytes, &TableOptions::default());
         let said = found.unwrap_err().to_string();
         assert!(said.contains(part), "{name}: {said}");
     }
@@ -89,7 +89,7 @@ fn workbooks_beyond_the_bounds_are_refused() {
     }
     let bytes = archive.finish().unwrap().into_inner();
     assert!(bytes.len() < 1 << 21, "{}", bytes.len());
-    let said = read_bytes("bomb.xlsx", &bytes, &Options::default()).unwrap_err().to_string();
+    let said = read_bytes("bomb.xlsx", &bytes, &TableOptions::default()).unwrap_err().to_string();
     assert!(said.contains("inflates to more than 512 MiB"), "{said}");
 }
 
@@ -97,22 +97,22 @@ fn workbooks_beyond_the_bounds_are_refused() {
 fn workbooks_of_instruments_are_read_as_they_are() {
     let file = |name: &str| common::shared_data(&format!("curves/{name}"));
     if let Some(path) = file("bp_exportcatissue_raw_trace.xlsx") {
-        let table = read(&path, &Options::default()).unwrap();
+        let table = read(&path, &TableOptions::default()).unwrap();
         let curve = &table.curves[0];
         assert_eq!((curve.kind, curve.values.len()), (Kind::Fluorescence, 265));
         assert!((curve.times_ms[1] - 50.189).abs() < 1e-3, "{}", curve.times_ms[1]);
     }
     if let Some(path) = file("bp_exporttissue_force.xlsx") {
-        let table = read(&path, &Options::default()).unwrap();
+        let table = read(&path, &TableOptions::default()).unwrap();
         let counts: Vec<usize> = table.curves.iter().map(|curve| curve.values.len()).collect();
         assert_eq!(counts, [400, 197], "{:?}", table.notes);
     }
     if let Some(path) = file("bp_exportcatissue_peak_summary.xlsx") {
-        let said = read(&path, &Options::default()).unwrap_err().to_string();
+        let said = read(&path, &TableOptions::default()).unwrap_err().to_string();
         assert!(said.contains("no column of times") && said.len() < 400, "{said}");
     }
     if let Some(path) = file("ca2_2021-10-29_d35_ENT-001-S1_run4_001_A1.xlsx") {
-        let table = read(&path, &Options::default()).unwrap();
+        let table = read(&path, &TableOptions::default()).unwrap();
         let curve = &table.curves[0];
         assert_eq!(
             (table.curves.len(), curve.kind, curve.values.len()),
@@ -121,12 +121,12 @@ fn workbooks_of_instruments_are_read_as_they_are() {
         assert!((curve.times_ms[0] + 30.0).abs() < 1e-9);
     }
     if let Some(path) = file("caltrack_Fura_first12s.csv") {
-        let table = read(&path, &Options::default()).unwrap();
+        let table = read(&path, &TableOptions::default()).unwrap();
         let names: Vec<&str> = table.curves.iter().map(|curve| &*curve.name).collect();
         assert_eq!(names, ["Cell1 Ratio", "Cell 2 Ratio", "Cell6 Ratio", "Cell7 Ratio"]);
         assert_eq!(table.curves[0].frame_rate_per_s().map(f64::round), Some(1000.0));
         for curve in &table.curves {
-            let options = curves::Options::default();
+            let options = curves::CurveOptions::default();
             let found =
                 curves::analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options);
             let found = found.unwrap();
@@ -138,7 +138,7 @@ fn workbooks_of_instruments_are_read_as_they_are() {
         }
     }
     if let Some(path) = file("ionoptix_Z5_first60s_all_columns.TXT") {
-        let table = read(&path, &Options::default()).unwrap();
+        let table = read(&path, &TableOptions::default()).unwrap();
         let curve = &table.curves[0];
         assert_eq!((curve.kind, curve.values.len()), (Kind::SarcomereLength, 15000));
         // Every 1.917 s, by the file's own list.
@@ -147,7 +147,7 @@ fn workbooks_of_instruments_are_read_as_they_are() {
         assert!((period - 1917.9).abs() < 0.2, "{period}");
     }
     if let Some(path) = file("curi_new_A1_tsv.tsv") {
-        let table = read(&path, &Options::default()).unwrap();
+        let table = read(&path, &TableOptions::default()).unwrap();
         assert_eq!(
             table.curves[0].frame_rate_per_s().map(f64::round),
             Some(100.0),

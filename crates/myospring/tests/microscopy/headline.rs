@@ -2,7 +2,7 @@
 
 use myospring::mesh::Mesh;
 use myospring::mesh::lattice;
-use myospring::microscopy::motion::{Measure, Motion, Reason, Stage};
+use myospring::microscopy::motion::{CellMotion, Measure, Reason, Stage};
 use std::f64::consts::TAU;
 
 use super::synthetic_cell::Random;
@@ -17,7 +17,7 @@ fn strength(frame: usize) -> f64 {
 }
 
 /// A motion by the displacement (um) of what rests at a point, measured from the middle of the cell, in a frame.
-fn motion(displacement: impl Fn([f64; 2], usize) -> [f64; 2]) -> Motion {
+fn motion(displacement: impl Fn([f64; 2], usize) -> [f64; 2]) -> CellMotion {
     let mesh: Mesh = lattice::rectangle(40, 8, 2.0).unwrap();
     let displaced = |frame: usize| {
         let ways: Vec<[f64; 2]> = (0..mesh.len())
@@ -28,7 +28,7 @@ fn motion(displacement: impl Fn([f64; 2], usize) -> [f64; 2]) -> Motion {
             .collect();
         [0, 1].map(|axis: usize| ways.iter().map(|way| way[axis]).collect::<Vec<f64>>())
     };
-    Motion {
+    CellMotion {
         frames: (0..FRAMES).collect(),
         repeated: Vec::new(),
         interrupted: false,
@@ -67,7 +67,7 @@ fn even([x, y]: [f64; 2], frame: usize) -> [f64; 2] {
     [-0.08 * strength(frame) * x, 0.03 * strength(frame) * y]
 }
 
-fn shortening_pct(motion: &Motion) -> Vec<f64> {
+fn shortening_pct(motion: &CellMotion) -> Vec<f64> {
     let lengths = motion.lengths_um();
     lengths.iter().map(|length| 100.0 * (1.0 - length / lengths[0])).collect()
 }
@@ -122,7 +122,7 @@ fn length_and_width_do_not_depend_on_single_points() {
             values.iter_mut().zip(&wild[frame]).for_each(|(value, wild)| *value += wild[axis]);
         }
     }
-    let off = |of: &dyn Fn(&Motion) -> Vec<f64>| {
+    let off = |of: &dyn Fn(&CellMotion) -> Vec<f64>| {
         let pairs = of(&smooth).into_iter().zip(of(&wrong));
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     };
@@ -130,7 +130,7 @@ fn length_and_width_do_not_depend_on_single_points() {
     // of 16, 3.8 and 19 %.
     let length = off(&shortening_pct);
     assert!(length < 0.6, "{length} percentage points");
-    let width = off(&|motion: &Motion| {
+    let width = off(&|motion: &CellMotion| {
         motion.extents().iter().map(|extent| 100.0 * extent.width / CELL_UM[1]).collect()
     });
     assert!(width < 3.0, "{width} percentage points");

@@ -5,16 +5,18 @@ use crate::common::{pixels_of, shared_data};
 use crate::no_cell::{Object, Taken, picture, uniform_block};
 use crate::synthetic_cell::Scene;
 use myospring::microscopy::burned_in;
-use myospring::microscopy::cells::{Options, PictureCells};
+use myospring::microscopy::cells::{PictureCells, PictureOptions};
 use myospring::microscopy::fibres::{FibreSettings, Stain};
 use myospring::microscopy::plane::Plane;
-use myospring::microscopy::segment::{Choice, Confidence, Segmentation, Settings, segment};
+use myospring::microscopy::segment::{
+    Choice, Confidence, Segmentation, SegmentationSettings, segment,
+};
 
 /// As the picture is looked at: without marks.
 fn found(plane: &Plane, pixel_um: f64) -> Option<Segmentation> {
     let clean = burned_in::painted_over(plane).map(|found| found.plane);
     let clean = clean.unwrap_or_else(|| plane.clone());
-    segment(&clean, pixels_of(pixel_um), &Settings::default()).ok()
+    segment(&clean, pixels_of(pixel_um), &SegmentationSettings::default()).ok()
 }
 
 #[test]
@@ -95,7 +97,8 @@ fn the_whole_of_a_cell_with_a_dim_half_is_found_and_scores_more_than_its_bright_
                 Scene { dim_half, noise, pixel_um: 0.4, field_um: 130.0, ..Scene::default() };
             let truth = scene.fluorescence();
             let judged = |threshold| {
-                let settings = Settings { threshold, ..Settings::default() };
+                let settings =
+                    SegmentationSettings { threshold, ..SegmentationSettings::default() };
                 let found = segment(&truth.plane, pixels_of(0.4), &settings).unwrap();
                 let cell = found.choose(Choice::Largest, true).unwrap();
                 let dice = truth.dice(found.numbers.iter().map(|&number| number == cell.number));
@@ -228,7 +231,8 @@ fn a_cell_on_a_page_is_doubtful_and_the_page_is_named() {
 /// The cells of a real picture.
 fn real(file: &str, pixel_um: Option<f64>) -> Option<PictureCells> {
     let bytes = std::fs::read(shared_data(&format!("images/{file}"))?).unwrap();
-    let options = Options { pixel_size: pixel_um.map(pixels_of), ..Options::default() };
+    let options =
+        PictureOptions { pixel_size: pixel_um.map(pixels_of), ..PictureOptions::default() };
     Some(PictureCells::find(&bytes, &options).unwrap())
 }
 
@@ -282,7 +286,8 @@ fn the_sarcomeres_of_a_sheet_are_read_without_an_outline_and_not_from_its_marks(
         let side = plane.width() as u32;
         let samples: Vec<u8> = plane.values().iter().map(|&value| value as u8).collect();
         let bytes = crate::common::png([side, side], 1, &samples);
-        let options = Options { pixel_size: Some(pixels_of(0.25)), ..Options::default() };
+        let options =
+            PictureOptions { pixel_size: Some(pixels_of(0.25)), ..PictureOptions::default() };
         let cells = PictureCells::unsegmented(&bytes, &options).unwrap();
         cells.fibres_of_frame(&FibreSettings::of(Stain::ZDisc)).unwrap().summary()
     };

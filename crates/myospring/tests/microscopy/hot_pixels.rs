@@ -2,7 +2,7 @@
 
 use crate::common::pixels_of;
 use crate::synthetic_cell::{Scene, Truth};
-use myospring::microscopy::cells::{Options, PictureCells};
+use myospring::microscopy::cells::{PictureCells, PictureOptions};
 use myospring::microscopy::hot_pixels::cooled;
 use myospring::microscopy::plane::Plane;
 use myospring::microscopy::segment::Choice;
@@ -27,7 +27,8 @@ fn written(plane: &Plane) -> Vec<u8> {
 }
 
 fn found(plane: &Plane, pixel_um: f64) -> PictureCells {
-    let options = Options { pixel_size: Some(pixels_of(pixel_um)), ..Options::default() };
+    let options =
+        PictureOptions { pixel_size: Some(pixels_of(pixel_um)), ..PictureOptions::default() };
     PictureCells::find(&written(plane), &options).unwrap()
 }
 

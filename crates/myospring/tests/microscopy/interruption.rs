@@ -4,10 +4,10 @@ use crate::common::{self, pixels_of};
 use crate::synthetic_cell::Scene;
 
 use myospring::interruption::{Interrupted, Interruption};
-use myospring::microscopy::cells::{CellError, Options, PictureCells};
+use myospring::microscopy::cells::{CellError, PictureCells, PictureOptions};
 use myospring::microscopy::fibres::{FibreError, FibreSettings, Stain};
 use myospring::microscopy::plane::Plane;
-use myospring::microscopy::segment::{SegmentError, Settings};
+use myospring::microscopy::segment::{SegmentError, SegmentationSettings};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -30,9 +30,12 @@ fn from(first: usize) -> (Interruption, Arc<AtomicUsize>) {
 }
 
 fn find(bytes: &[u8], interruption: Interruption) -> Result<PictureCells, CellError> {
-    let segmentation = Settings { interruption, ..Settings::default() };
+    let segmentation = SegmentationSettings { interruption, ..SegmentationSettings::default() };
     let pixel_size = Some(pixels_of(PIXEL_UM));
-    PictureCells::find(bytes, &Options { pixel_size, segmentation, ..Options::default() })
+    PictureCells::find(
+        bytes,
+        &PictureOptions { pixel_size, segmentation, ..PictureOptions::default() },
+    )
 }
 
 fn is_interrupted(error: &CellError) -> bool {

@@ -7,7 +7,7 @@ use crate::common::{pixels_of, png};
 use crate::no_cell::letters;
 use crate::synthetic_cell::{Random, Scene};
 use myospring::microscopy::burned_in;
-use myospring::microscopy::cells::{Options, PictureCells};
+use myospring::microscopy::cells::{PictureCells, PictureOptions};
 
 const SIDE: usize = 240;
 
@@ -108,7 +108,7 @@ fn missed_and_wrong(drawn: Drawn, colour: [f64; 3], lossy: Option<f64>) -> [usiz
         .map(|value| value as u8)
         .collect();
     let bytes = png([SIDE as u32; 2], 3, &samples);
-    let options = Options { pixel_size: Some(pixels_of(0.25)), ..Options::default() };
+    let options = PictureOptions { pixel_size: Some(pixels_of(0.25)), ..PictureOptions::default() };
     let clean = PictureCells::unsegmented(&bytes, &options).unwrap().plane;
     let weights = [0.2126, 0.7152, 0.0722];
     let before = |at: usize| -> f64 {
@@ -169,7 +169,7 @@ fn a_colour_picture_of_several_stains_has_no_marks() {
         })
         .collect();
     let bytes = png([SIDE as u32; 2], 3, &samples);
-    let options = Options { pixel_size: Some(pixels_of(0.25)), ..Options::default() };
+    let options = PictureOptions { pixel_size: Some(pixels_of(0.25)), ..PictureOptions::default() };
     let seen = PictureCells::unsegmented(&bytes, &options).unwrap();
     assert!(seen.notes.iter().all(|note| !note.contains("burned")), "{:?}", seen.notes);
 }

@@ -4,14 +4,21 @@
 use crate::common::{self, pixels_of};
 
 use myospring::mesh::lattice;
-use myospring::microscopy::cells::{CellError, Options, PictureCells};
+use myospring::microscopy::cells::{CellError, PictureCells, PictureOptions};
 use myospring::microscopy::read::PictureError;
-use myospring::microscopy::segment::{Choice, LARGEST_LABEL, Modality, Segmentation, Settings};
+use myospring::microscopy::segment::{
+    Choice, LARGEST_LABEL, Modality, Segmentation, SegmentationSettings,
+};
 use tiff::encoder::colortype::{Gray8, Gray16, Gray32, RGB8, RGB32Float, RGBA8};
 
-fn options(pixel_size_um: f64) -> Options {
-    let segmentation = Settings { modality: Modality::Mask, ..Settings::default() };
-    Options { pixel_size: Some(pixels_of(pixel_size_um)), segmentation, ..Options::default() }
+fn options(pixel_size_um: f64) -> PictureOptions {
+    let segmentation =
+        SegmentationSettings { modality: Modality::Mask, ..SegmentationSettings::default() };
+    PictureOptions {
+        pixel_size: Some(pixels_of(pixel_size_um)),
+        segmentation,
+        ..PictureOptions::default()
+    }
 }
 
 fn cells(bytes: &[u8]) -> Segmentation {
@@ -93,7 +100,7 @@ fn non_zero_pixels_are_the_cell_in_every_kind_of_picture() {
 fn a_mask_in_dark_colours_is_known_for_one() {
     let grey = two_cells();
     let painted = blue(&drawn([120, 60], |x, y| grey[(y / 6 * SIZE[0] + x / 6) as usize]));
-    let unasked = Options { pixel_size: Some(pixels_of(0.5)), ..Options::default() };
+    let unasked = PictureOptions { pixel_size: Some(pixels_of(0.5)), ..PictureOptions::default() };
     let found = PictureCells::find(&common::png([120, 60], 3, &painted), &unasked).unwrap();
     assert_eq!((found.modality(), found.len()), ("mask", 2));
 }

@@ -2,11 +2,11 @@
 
 use myospring::mesh::lattice;
 use myospring::mesh::quality::long_axis;
-use myospring::microscopy::cells::{Options, PictureCells};
+use myospring::microscopy::cells::{PictureCells, PictureOptions};
 use myospring::microscopy::fibres::{FibreSettings, Stain, fibres};
 use myospring::microscopy::film::{Film, FilmError};
 use myospring::microscopy::motion::{
-    self, Cell, Measure, Motion, MotionError, Reason, Rest, Settings, Stage,
+    self, CellAtRest, CellMotion, Measure, MotionError, Reason, Rest, Stage, TrackingSettings,
 };
 use myospring::microscopy::picture::Selection;
 use myospring::microscopy::segment::Choice;
@@ -15,11 +15,11 @@ use super::common::{pixels_of, shared_data};
 use super::synthetic_film::{FilmScene, SARCOMERE_UM};
 
 /// Follows the cell of a scene from its first frame.
-fn followed(scene: &FilmScene) -> Motion {
+fn followed(scene: &FilmScene) -> CellMotion {
     follow(scene, &scene.film()).unwrap()
 }
 
-fn follow(scene: &FilmScene, film: &Film) -> Result<Motion, MotionError> {
+fn follow(scene: &FilmScene, film: &Film) -> Result<CellMotion, MotionError> {
     let mask = scene.mask();
     let (mesh, _) = lattice::from_mask(&mask, Some(2.0)).unwrap();
     let rest = Rest::at(film, 0).unwrap();
@@ -27,18 +27,18 @@ fn follow(scene: &FilmScene, film: &Film) -> Result<Motion, MotionError> {
     let settings = FibreSettings::of(Stain::ZDisc);
     let plane = film.frame(0).unwrap();
     let field = fibres(&plane, &inside, mask.pixel_size(), long_axis(&mesh), &settings).unwrap();
-    let cell = Cell {
+    let cell = CellAtRest {
         mesh: &mesh,
         inside: &inside,
         any_cell: &inside,
         pixel_size: mask.pixel_size(),
         fibres: Some(&field),
     };
-    motion::follow(film, rest, &cell, Settings::at(50.0), |_| true)
+    motion::follow(film, rest, &cell, TrackingSettings::at(50.0), |_| true)
 }
 
 /// Errors of all points in all frames, pixels, the least first.
-fn errors(scene: &FilmScene, motion: &Motion) -> Vec<f64> {
+fn errors(scene: &FilmScene, motion: &CellMotion) -> Vec<f64> {
     let mut errors = Vec::new();
     for frame in 0..motion.len() {
         let stage = scene.stage(frame);
@@ -61,7 +61,7 @@ fn quantile(sorted: &[f64], part: f64) -> f64 {
 }
 
 /// Largest difference of measured and true shortening over all frames, percentage points.
-fn shortening_error(scene: &FilmScene, motion: &Motion) -> f64 {
+fn shortening_error(scene: &FilmScene, motion: &CellMotion) -> f64 {
     let lengths = motion.lengths_um();
     let moved = |frame: usize| {
         let ways = (0..motion.mesh.len())
@@ -70,7 +70,7 @@ fn shortening_error(scene: &FilmScene, motion: &Motion) -> f64 {
         [0, 1].map(|axis: usize| ways.iter().map(|way| way[axis]).collect::<Vec<f64>>())
     };
     let displacements_um = (0..motion.len()).map(moved).collect();
-    let truth = Motion { displacements_um, ..motion.clone() }.lengths_um();
+    let truth = CellMotion { displacements_um, ..motion.clone() }.lengths_um();
     let off = |frame: usize| 100.0 * (lengths[frame] / lengths[0] - truth[frame] / truth[0]).abs();
     (0..motion.len()).map(off).fold(0.0, f64::max)
 }
@@ -172,9 +172,10 @@ fn the_numbers_do_not_depend_on_the_number_of_threads() {
     let (mesh, _) = lattice::from_mask(&mask, Some(2.0)).unwrap();
     let inside = mask.inside();
     let pixel_size = mask.pixel_size();
-    let cell = Cell { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
+    let cell =
+        CellAtRest { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
     let with = |threads| {
-        let settings = Settings { threads: Some(threads), ..Settings::at(50.0) };
+        let settings = TrackingSettings { threads: Some(threads), ..TrackingSettings::at(50.0) };
         motion::follow(&film, Rest::at(&film, 0).unwrap(), &cell, settings, |_| true).unwrap()
     };
     assert_eq!(with(1), with(2));
@@ -188,13 +189,14 @@ fn what_is_interrupted_has_the_frames_that_were_done() {
     let (mesh, _) = lattice::from_mask(&mask, Some(2.0)).unwrap();
     let inside = mask.inside();
     let pixel_size = mask.pixel_size();
-    let cell = Cell { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
+    let cell =
+        CellAtRest { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
     let rest = Rest::at(&film, 5).unwrap();
     let goes_on = |(done, all)| {
         assert_eq!(all, 8);
         done < 5
     };
-    let motion = motion::follow(&film, rest, &cell, Settings::at(50.0), goes_on).unwrap();
+    let motion = motion::follow(&film, rest, &cell, TrackingSettings::at(50.0), goes_on).unwrap();
     // Frames 5, 6, 7, then 4 and 3.
     assert_eq!((&motion.frames[..], motion.rest), (&[3, 4, 5, 6, 7][..], 5));
     assert!(motion.interrupted && motion.repeated.is_empty());
@@ -243,10 +245,12 @@ fn rates_that_no_camera_has_are_refused() {
     let (mesh, _) = lattice::from_mask(&mask, Some(3.0)).unwrap();
     let inside = mask.inside();
     let pixel_size = mask.pixel_size();
-    let cell = Cell { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
+    let cell =
+        CellAtRest { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
     let rest = Rest::at(&film, 0).unwrap();
     for rate in [0.0, -30.0, f64::NAN, 1e9] {
-        let error = motion::follow(&film, rest, &cell, Settings::at(rate), |_| true).unwrap_err();
+        let error =
+            motion::follow(&film, rest, &cell, TrackingSettings::at(rate), |_| true).unwrap_err();
         assert!(error.to_string().starts_with("the frame rate is"), "{error}");
     }
     assert_eq!(Rest::at(&film, 7).unwrap_err(), FilmError::NoSuchFrame { frame: 7, frames: 3 });
@@ -283,16 +287,21 @@ fn the_film_of_a_beating_cell_gives_its_authors_curves() {
     assert_eq!((film.len(), film.size(), film.frames_per_second), (146, [400, 400], Some(29.0)));
     let rest = Rest::find(&film).unwrap();
     let pixel_size = pixels_of(0.18);
-    let options = Options { pixel_size: Some(pixel_size), ..Options::default() };
+    let options = PictureOptions { pixel_size: Some(pixel_size), ..PictureOptions::default() };
     let cells = PictureCells::find(&film.picture(rest.frame).unwrap(), &options).unwrap();
     let cell = cells.cell(Choice::Largest, true).unwrap();
     let (mesh, _) = lattice::from_mask(&cell.mask, Some(2.0)).unwrap();
     let settings = FibreSettings::of(Stain::ZDisc);
     let field = cells.fibres(&cell, long_axis(&mesh), &settings).unwrap();
     let inside = cell.mask.inside();
-    let seen =
-        Cell { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: Some(&field) };
-    let motion = motion::follow(&film, rest, &seen, Settings::at(30.0), |_| true).unwrap();
+    let seen = CellAtRest {
+        mesh: &mesh,
+        inside: &inside,
+        any_cell: &inside,
+        pixel_size,
+        fibres: Some(&field),
+    };
+    let motion = motion::follow(&film, rest, &seen, TrackingSettings::at(30.0), |_| true).unwrap();
 
     let theirs = columns(&std::fs::read_to_string(curves).unwrap());
     // Their curves have the frames that the film repeats, too.
@@ -324,9 +333,10 @@ fn a_cell_in_brightfield_is_followed_as_an_optical_flow_follows_it() {
     let (mesh, _) = lattice::from_mask(&mask, Some(1.0)).unwrap();
     let inside = mask.inside();
     let pixel_size = mask.pixel_size();
-    let cell = Cell { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
+    let cell =
+        CellAtRest { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres: None };
     let rest = Rest::at(&film, 0).unwrap();
-    let motion = motion::follow(&film, rest, &cell, Settings::at(30.0), |_| true).unwrap();
+    let motion = motion::follow(&film, rest, &cell, TrackingSettings::at(30.0), |_| true).unwrap();
     // Singular values of the affine map that fits the flow from frame 0 best within the mask: scikit-image 0.26,
     // `optical_flow_ilk` with a radius of 5 pixels, 20 warps, `gaussian` and `prefilter` (wider windows see more of
     // what is around the cell: 0.9878 instead of 0.9850 with 15 pixels).

@@ -6,7 +6,7 @@ use crate::outline_files;
 
 use myospring::mesh::built_in;
 use myospring::mesh::mask::Mask;
-use myospring::microscopy::cells::{Options, PictureCells};
+use myospring::microscopy::cells::{PictureCells, PictureOptions};
 use myospring::microscopy::outlines::raster::{rasterise, write_labels_png, write_mask_png};
 use myospring::microscopy::outlines::trace::{Edge, trace_mask};
 use myospring::microscopy::outlines::{
@@ -34,7 +34,8 @@ fn bounds(cell: &NamedOutline) -> [f64; 4] {
 
 /// The label picture of `make.py` with its cells by label, along the edges of their pixels.
 fn labels() -> (Plane, PixelFrame, Vec<NamedOutline>) {
-    let options = Options { pixel_size: Some(pixels_of(PIXEL_UM)), ..Options::default() };
+    let options =
+        PictureOptions { pixel_size: Some(pixels_of(PIXEL_UM)), ..PictureOptions::default() };
     let found = PictureCells::find(&fixture("labels.png"), &options).unwrap();
     let mut cells = found.outlines();
     cells.sort_by_key(|cell| cell.name.parse::<u32>().unwrap());

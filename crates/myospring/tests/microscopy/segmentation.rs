@@ -5,17 +5,17 @@ use crate::common::{self, pixels_of};
 use crate::synthetic_cell;
 
 use common::shared_data;
-use myospring::microscopy::cells::{Options, PictureCells};
+use myospring::microscopy::cells::{PictureCells, PictureOptions};
 use myospring::microscopy::picture::Selection;
 use myospring::microscopy::plane::Plane;
 use myospring::microscopy::read::read_picture;
 use myospring::microscopy::segment::{
-    Choice, Modality, SegmentError, Segmentation, Settings, segment,
+    Choice, Modality, SegmentError, Segmentation, SegmentationSettings, segment,
 };
 use synthetic_cell::{Scene, Truth};
 
-fn with(modality: Modality) -> Settings {
-    Settings { modality, ..Settings::default() }
+fn with(modality: Modality) -> SegmentationSettings {
+    SegmentationSettings { modality, ..SegmentationSettings::default() }
 }
 
 fn dice(truth: &Truth, found: &Segmentation) -> f64 {
@@ -31,7 +31,8 @@ fn dice_of(truth: &Truth, found: &Segmentation, allow_cut: bool) -> f64 {
 /// Dice of a real picture's largest whole cell with its mask; without a pixel size that of the file.
 fn real(picture: &str, mask: &str, pixel_um: Option<f64>) -> Option<(f64, PictureCells)> {
     let (picture, mask) = (shared_data(picture)?, shared_data(mask)?);
-    let options = Options { pixel_size: pixel_um.map(pixels_of), ..Options::default() };
+    let options =
+        PictureOptions { pixel_size: pixel_um.map(pixels_of), ..PictureOptions::default() };
     let cells = PictureCells::find(&std::fs::read(picture).unwrap(), &options).unwrap();
     let mask = read_picture(&std::fs::read(mask).unwrap(), &Selection::default()).unwrap().plane;
     let inside = mask.values().iter().map(|&value| value > 0.0).collect();
@@ -78,7 +79,8 @@ fn a_cell_among_neighbours_in_haze_that_fills_its_frame_is_found_with_defaults()
         ("images/morphoscript_test3.tif", "images/morphoscript_test3_mask.png", None),
     ] {
         let (Some(picture), Some(mask)) = (shared_data(picture), shared_data(mask)) else { return };
-        let options = Options { pixel_size: pixel_um.map(pixels_of), ..Options::default() };
+        let options =
+            PictureOptions { pixel_size: pixel_um.map(pixels_of), ..PictureOptions::default() };
         let cells = PictureCells::find(&std::fs::read(&picture).unwrap(), &options).unwrap();
         assert_eq!(cells.modality(), "fluorescence");
         let found = cells.segmentation().unwrap();
@@ -138,7 +140,7 @@ fn a_real_cell_is_found_however_its_picture_is_turned_scaled_lit_or_blurred_by_n
         ways.push(("transposed", turned(&picture), turned(&mask)));
         ways.push(("mirrored", mirrored(&picture), mirrored(&mask)));
         for (name, plane, mask) in ways {
-            let found = segment(&plane, pixels_of(0.27), &Settings::default()).unwrap();
+            let found = segment(&plane, pixels_of(0.27), &SegmentationSettings::default()).unwrap();
             let inside = mask.values().iter().map(|&value| value > 0.0).collect();
             let dice = dice(&Truth { plane: mask, inside }, &found);
             assert!(dice >= least, "{name}: Dice {dice}");
@@ -160,7 +162,9 @@ fn a_known_cell_is_found_at_any_turn_magnification_and_unevenness() {
         Scene { blur_um: 0.8, ..clear },
     ] {
         let truth = scene.fluorescence();
-        let found = segment(&truth.plane, pixels_of(scene.pixel_um), &Settings::default()).unwrap();
+        let found =
+            segment(&truth.plane, pixels_of(scene.pixel_um), &SegmentationSettings::default())
+                .unwrap();
         assert_eq!(found.modality, Modality::Fluorescence, "{scene:?}");
         let dice = dice(&truth, &found);
         // A quarter of a um all round a cell of 24 um width is Dice 0.97; light that spreads over the
@@ -178,7 +182,9 @@ fn a_known_cell_is_found_at_any_turn_magnification_and_unevenness() {
         Scene { beads: 20.0, ..clear },
     ] {
         let truth = scene.brightfield();
-        let found = segment(&truth.plane, pixels_of(scene.pixel_um), &Settings::default()).unwrap();
+        let found =
+            segment(&truth.plane, pixels_of(scene.pixel_um), &SegmentationSettings::default())
+                .unwrap();
         assert_eq!(found.modality, Modality::Brightfield, "{scene:?}");
         let dice = dice(&truth, &found);
         assert!(dice >= 0.93, "Dice {dice} of brightfield, {scene:?}");
@@ -208,14 +214,18 @@ fn the_kind_of_a_picture_does_not_hang_on_how_much_of_the_frame_the_cell_covers(
                 ..Scene::default()
             };
             let truth = scene.fluorescence();
-            let found = segment(&truth.plane, pixels_of(pixel_um), &Settings::default()).unwrap();
+            let found =
+                segment(&truth.plane, pixels_of(pixel_um), &SegmentationSettings::default())
+                    .unwrap();
             assert_eq!(found.modality, Modality::Fluorescence, "{scene:?}");
             // Less than a um from the frame a cell may seem to be cut by it.
             let dice = dice_of(&truth, &found, true);
             assert!(dice >= 0.95, "Dice {dice} of fluorescence, {scene:?}");
             let scene = Scene { contrast: 0.25 * contrast.sqrt(), ..scene };
             let truth = scene.brightfield();
-            let found = segment(&truth.plane, pixels_of(pixel_um), &Settings::default()).unwrap();
+            let found =
+                segment(&truth.plane, pixels_of(pixel_um), &SegmentationSettings::default())
+                    .unwrap();
             assert_eq!(found.modality, Modality::Brightfield, "{scene:?}");
             let dice = dice_of(&truth, &found, true);
             // Where the cell's own grains are all that there is to measure noise by, its rim does not stand out.
@@ -235,7 +245,7 @@ fn cells_of_a_label_mask_stay_apart_although_they_touch() {
         _ => 0.0,
     };
     let plane = Plane::new(60, 50, (0..3000).map(label).collect()).unwrap();
-    let found = segment(&plane, pixels_of(0.5), &Settings::default()).unwrap();
+    let found = segment(&plane, pixels_of(0.5), &SegmentationSettings::default()).unwrap();
     assert_eq!(found.modality, Modality::Mask);
     let labels: Vec<Option<u32>> = found.cells.iter().map(|cell| cell.label).collect();
     assert_eq!(labels, [Some(7), Some(3)], "largest first");
@@ -259,7 +269,7 @@ fn cells_of_a_label_mask_stay_apart_although_they_touch() {
 fn a_cell_that_the_frame_cuts_is_refused_unless_allowed() {
     let label = |at: usize| if at % 60 < 30 && at / 60 > 3 { 1.0 } else { 0.0 };
     let plane = Plane::new(60, 50, (0..3000).map(label).collect()).unwrap();
-    let found = segment(&plane, pixels_of(0.5), &Settings::default()).unwrap();
+    let found = segment(&plane, pixels_of(0.5), &SegmentationSettings::default()).unwrap();
     let error = found.choose(Choice::Largest, false).unwrap_err();
     assert!(matches!(&error, SegmentError::Cut { name, .. } if name == "1"), "{error}");
     assert!(error.to_string().contains("--allow-cut"));
@@ -274,7 +284,7 @@ fn of_cut_and_whole_cells_the_largest_whole_one_is_taken() {
         _ => 0.0,
     };
     let plane = Plane::new(60, 50, (0..3000).map(label).collect()).unwrap();
-    let found = segment(&plane, pixels_of(0.5), &Settings::default()).unwrap();
+    let found = segment(&plane, pixels_of(0.5), &SegmentationSettings::default()).unwrap();
     assert_eq!(found.choose(Choice::Largest, false).unwrap().label, Some(2));
     assert_eq!(found.choose(Choice::Largest, true).unwrap().label, Some(1));
 }
@@ -283,7 +293,8 @@ fn of_cut_and_whole_cells_the_largest_whole_one_is_taken() {
 fn a_threshold_that_is_given_is_used_and_a_lower_one_takes_in_more() {
     let truth = Scene { blur_um: 1.0, ..Scene::default() }.fluorescence();
     let at = |threshold| {
-        let settings = Settings { threshold: Some(threshold), ..Settings::default() };
+        let settings =
+            SegmentationSettings { threshold: Some(threshold), ..SegmentationSettings::default() };
         let found = segment(&truth.plane, pixels_of(0.25), &settings).unwrap();
         assert_eq!(found.threshold, threshold);
         found.cells[0].pixels
@@ -311,17 +322,17 @@ fn pictures_without_a_cell_say_so() {
 #[test]
 fn blank_and_broken_planes_are_refused_with_the_place() {
     let black = Plane::new(64, 64, vec![0.0; 64 * 64]).unwrap();
-    let error = segment(&black, pixels_of(0.25), &Settings::default()).unwrap_err();
+    let error = segment(&black, pixels_of(0.25), &SegmentationSettings::default()).unwrap_err();
     assert!(matches!(error, SegmentError::Blank { width: 64, height: 64, value: 0.0 }), "{error}");
     let mut values = vec![1.0; 64 * 64];
     values[64 * 3 + 5] = f32::NAN;
     let broken = Plane::new(64, 64, values).unwrap();
-    let error = segment(&broken, pixels_of(0.25), &Settings::default()).unwrap_err();
+    let error = segment(&broken, pixels_of(0.25), &SegmentationSettings::default()).unwrap_err();
     assert_eq!(error.to_string(), "the pixel in column 5, row 3 is NaN; pixels must be finite");
     let error = segment(
         &black,
         pixels_of(0.25),
-        &Settings { smooth_um: Some(-1.0), ..Settings::default() },
+        &SegmentationSettings { smooth_um: Some(-1.0), ..SegmentationSettings::default() },
     );
     assert!(error.unwrap_err().to_string().contains("the scale of smoothing is -1 um"));
 }
@@ -350,7 +361,7 @@ fn given_outlines_are_chosen_as_cells_are() {
     let png = common::png([60, 40], 1, &grey);
     // One line an outline, pixels, y downward.
     let outlines = b"5,5,15,5,15,15,5,15\n20,10,50,10,50,30,20,30\n";
-    let options = Options { pixel_size: Some(pixels_of(0.5)), ..Options::default() };
+    let options = PictureOptions { pixel_size: Some(pixels_of(0.5)), ..PictureOptions::default() };
     let cells = PictureCells::given(&png, outlines, "cells.txt", &options).unwrap();
     let area = |choice| cells.cell(choice, false).map(|cell| cell.shape.area_um2);
     assert_eq!(area(Choice::Largest).unwrap(), 150.0);

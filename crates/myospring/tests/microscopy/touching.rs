@@ -8,10 +8,13 @@ use crate::touching_cells::{Body, Form, Look, Touching, one, singles, two};
 use myospring::microscopy::picture::Selection;
 use myospring::microscopy::plane::Plane;
 use myospring::microscopy::read::read_picture;
-use myospring::microscopy::segment::{Modality, Segmentation, Settings, segment};
+use myospring::microscopy::segment::{Modality, Segmentation, SegmentationSettings, segment};
 
 fn fluorescence(plane: &Plane, pixel_um: f64) -> Segmentation {
-    let settings = Settings { modality: Modality::Fluorescence, ..Settings::default() };
+    let settings = SegmentationSettings {
+        modality: Modality::Fluorescence,
+        ..SegmentationSettings::default()
+    };
     segment(plane, pixels_of(pixel_um), &settings).unwrap()
 }
 
@@ -127,7 +130,7 @@ fn masks_are_never_parted() {
     let (width, height) = (truth.plane.width(), truth.plane.height());
     let values = (0..width * height).map(|at| truth.cells.iter().any(|cell| cell[at]));
     let mask = Plane::new(width, height, values.map(|is| f32::from(u8::from(is))).collect());
-    let found = segment(&mask.unwrap(), pixels_of(0.5), &Settings::default()).unwrap();
+    let found = segment(&mask.unwrap(), pixels_of(0.5), &SegmentationSettings::default()).unwrap();
     assert_eq!((found.modality, found.cells.len()), (Modality::Mask, 1));
     assert!(found.cells[0].confidence.reasons.is_empty(), "{:?}", found.cells[0].confidence);
 }

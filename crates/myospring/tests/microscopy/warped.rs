@@ -4,7 +4,7 @@ use myospring::mesh::lattice;
 use myospring::mesh::mask::Mask;
 use myospring::mesh::quality::long_axis;
 use myospring::microscopy::fibres::{FibreSettings, Stain, fibres};
-use myospring::microscopy::motion::{self, Cell, Motion, Rest, Settings};
+use myospring::microscopy::motion::{self, CellAtRest, CellMotion, Rest, TrackingSettings};
 use myospring::microscopy::picture::Selection;
 use myospring::microscopy::plane::Plane;
 use myospring::microscopy::read::read_picture;
@@ -32,7 +32,7 @@ fn picture(name: &str, mask: &str, pixel_um: f64) -> Option<(Plane, Mask)> {
 }
 
 /// Follows the cell on points that are not those of the mesh that beat.
-fn follow(warped: &WarpedFilm, camera: Camera, stripes: bool) -> Motion {
+fn follow(warped: &WarpedFilm, camera: Camera, stripes: bool) -> CellMotion {
     let film = warped.film(camera, 3);
     let mask = warped.mask();
     let (mesh, _) = lattice::from_mask(mask, None).unwrap();
@@ -45,8 +45,8 @@ fn follow(warped: &WarpedFilm, camera: Camera, stripes: bool) -> Motion {
     });
     let pixel_size = mask.pixel_size();
     let fibres = field.as_ref();
-    let cell = Cell { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres };
-    motion::follow(&film, rest, &cell, Settings::at(FRAME_RATE), |_| true).unwrap()
+    let cell = CellAtRest { mesh: &mesh, inside: &inside, any_cell: &inside, pixel_size, fibres };
+    motion::follow(&film, rest, &cell, TrackingSettings::at(FRAME_RATE), |_| true).unwrap()
 }
 
 /// How far off a motion is.
@@ -62,7 +62,7 @@ struct Errors {
 }
 
 impl Errors {
-    fn of(warped: &WarpedFilm, motion: &Motion) -> Self {
+    fn of(warped: &WarpedFilm, motion: &CellMotion) -> Self {
         let pixel = warped.mask().pixel_size().um();
         let mut truth = motion.clone();
         let mut errors = Vec::new();
@@ -80,7 +80,7 @@ impl Errors {
         }
         errors.sort_by(f64::total_cmp);
         let at = |part: f64| errors[((errors.len() - 1) as f64 * part) as usize];
-        let shortening = |motion: &Motion| {
+        let shortening = |motion: &CellMotion| {
             let lengths = motion.lengths_um();
             let rest = (0..lengths.len()).filter(|&frame| warped.rests(motion.frames[frame]));
             let resting =

@@ -8,13 +8,13 @@ use myospring::cell::CellModel;
 use myospring::cell::bueno_orovio_2008::{Variant, model};
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::solve::{Method, Settings, solve};
+use myospring::cell::solve::{CellMethod, SolverSettings, solve};
 use std::sync::Arc;
 
 const PULSE: Stimulus = Stimulus::Pulse { amplitude: 0.5, duration_ms: 1.0 };
 
 /// Root mean square of the difference in u from the solution of another group, each 1 ms.
-fn rms_of_u(settings: Settings) -> Option<f64> {
+fn rms_of_u(settings: SolverSettings) -> Option<f64> {
     let file = shared_data("cell-models/bueno_2007_epi_tidy.csv")?;
     let rows: Vec<[f64; 5]> =
         csv::Reader::from_path(file).unwrap().deserialize().map(Result::unwrap).collect();
@@ -29,7 +29,7 @@ fn rms_of_u(settings: Settings) -> Option<f64> {
 
 #[test]
 fn the_epicardial_set_follows_the_published_solution() {
-    let Some(rms) = rms_of_u(Settings::default()) else { return };
+    let Some(rms) = rms_of_u(SolverSettings::default()) else { return };
     println!("rms of u: {rms:e}");
     assert!(rms < 5e-4, "{rms:e}");
 }
@@ -50,7 +50,7 @@ const RESTITUTION: [(Variant, [f64; 3], f64); 5] = [
 /// potential just before its stimulus.
 fn last_beat(variant: Variant, cycle_length_ms: f64) -> (f64, f64) {
     let step_ms = 0.005;
-    let settings = Settings { step_ms, ..Settings::of(Method::ForwardEuler) };
+    let settings = SolverSettings { step_ms, ..SolverSettings::of(CellMethod::ForwardEuler) };
     let protocol = Protocol { start_ms: 0.0, cycle_length_ms, beats: 30, ..Protocol::once(PULSE) };
     let model = Arc::new(model(variant));
     let mut cell = CellIntegrator::new(model.clone(), protocol, settings).unwrap();

@@ -18,7 +18,7 @@ use crate::common;
 
 use common::{falls_through, rises_through};
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{Method, Settings, solve};
+use myospring::cell::solve::{CellMethod, SolverSettings, solve};
 use myospring::cell::trace::CellTrace;
 use myospring::cell::{CellModel, coelho_2021, minimal::MinimalModel};
 
@@ -114,7 +114,7 @@ fn compare(column: &Column, u: &[f64], ta_i: &[f64], ta: &[f64]) -> Vec<String> 
     wrong
 }
 
-fn run(model: &MinimalModel, protocol: Protocol, settings: Settings) -> CellTrace {
+fn run(model: &MinimalModel, protocol: Protocol, settings: SolverSettings) -> CellTrace {
     solve(model, protocol, settings, 600.0, SAMPLE_MS).unwrap()
 }
 
@@ -134,7 +134,7 @@ fn the_authors_step_gives_the_authors_numbers_to_the_printed_digit() {
 }
 
 /// All quantities of the table without its grid: crossings by a line between samples.
-fn measure(model: &MinimalModel, protocol: Protocol, settings: Settings) -> [f64; 12] {
+fn measure(model: &MinimalModel, protocol: Protocol, settings: SolverSettings) -> [f64; 12] {
     let fine = solve(model, protocol, settings, 600.0, 0.01).unwrap();
     let (t, u, ta) = (&fine.time_ms, &fine.potential, &fine.tension);
     let ta_i = fine.variable("Ta_i").unwrap();
@@ -165,7 +165,7 @@ const TRUE_BEAT: [f64; 12] = [
 #[test]
 fn the_default_settings_are_converged_on_the_default_beat() {
     let protocol = Protocol::once(coelho_2021::IDENTITY.stimulus);
-    let measured = measure(&with_peak(1.1341), protocol, Settings::default());
+    let measured = measure(&with_peak(1.1341), protocol, SolverSettings::default());
     for i in 0..12 {
         let error = measured[i] - TRUE_BEAT[i];
         // Measured: peak of Ta 0.019 %, its time 0.003 ms, APD90 0.005 ms, the rest below 0.01 ms.
@@ -179,7 +179,7 @@ fn the_error_of_the_default_method_falls_with_the_step() {
     let protocol = Protocol::once(coelho_2021::IDENTITY.stimulus);
     // Order 1 because of the thresholds; the constant depends on where steps fall on them.
     for (step_ms, bound) in [(0.02, 8e-4), (0.01, 8e-4), (0.005, 4e-4), (0.0025, 2e-4)] {
-        let settings = Settings { step_ms, ..Settings::default() };
+        let settings = SolverSettings { step_ms, ..SolverSettings::default() };
         let measured = measure(&with_peak(1.1341), protocol, settings);
         let error = (measured[6] / TRUE_BEAT[6] - 1.0).abs();
         assert!(error < bound, "{step_ms} ms: {error:e}");
@@ -189,7 +189,7 @@ fn the_error_of_the_default_method_falls_with_the_step() {
 #[test]
 fn the_default_settings_reach_the_converged_column() {
     let model = coelho_2021::model();
-    let measured = measure(&model, coelho_2021::authors_protocol(), Settings::default());
+    let measured = measure(&model, coelho_2021::authors_protocol(), SolverSettings::default());
     let printed =
         [1.13407, 51.95, 273.60, 244.95, 201.20, 54.05, 0.9021, 171.45, 86.8, 115.5, 273.2, 406.5];
     for i in 0..12 {
@@ -206,8 +206,9 @@ fn the_default_settings_reach_the_converged_column() {
 
 #[test]
 fn rounding_u_peak_up_lowers_tension_by_a_tenth_of_a_per_cent_and_moves_nothing() {
-    let measure =
-        |u_peak| measure(&with_peak(u_peak), coelho_2021::authors_protocol(), Settings::default());
+    let measure = |u_peak| {
+        measure(&with_peak(u_peak), coelho_2021::authors_protocol(), SolverSettings::default())
+    };
     let (rounded, own) = (measure(1.1341), measure(1.13407));
     let drop = 1.0 - rounded[6] / own[6];
     assert!((8e-4..10e-4).contains(&drop), "{drop:e}");
@@ -217,7 +218,7 @@ fn rounding_u_peak_up_lowers_tension_by_a_tenth_of_a_per_cent_and_moves_nothing(
 #[test]
 fn the_resting_cell_slides_along_theta_w_within_one_step_of_it() {
     let model = coelho_2021::model();
-    let settings = Settings::default();
+    let settings = SolverSettings::default();
     let trace = solve(&model, Protocol::rest(), settings, 500.0, 0.1).unwrap();
     // Falls by 1 / tau_so1 above the threshold, from one step to the next.
     let hop = settings.step_ms / 25.4492;
@@ -238,7 +239,7 @@ fn the_authors_model_is_normalised_by_the_peak_of_its_own_run() {
 /// The converged column as it was made: see the head of this file.
 #[test]
 fn the_converged_column_comes_out_to_the_printed_digit_by_its_own_definition() {
-    let fine = Settings { step_ms: 0.0005, ..Settings::of(Method::ForwardEuler) };
+    let fine = SolverSettings { step_ms: 0.0005, ..SolverSettings::of(CellMethod::ForwardEuler) };
     let u = run(&coelho_2021::model(), coelho_2021::authors_protocol(), fine).potential;
     let model = with_peak(u[highest(&u)]);
     let (mut ta_i, mut ta) = (vec![0.0], vec![0.0]);

@@ -6,7 +6,7 @@ use myospring::cell::batch::{BatchSettings, CellOutcome, CellSample, Paced, TOGE
 use myospring::cell::bueno_orovio_2008::{self, Variant};
 use myospring::cell::minimal::MinimalModel;
 use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::solve::{Method, Settings, SolveError};
+use myospring::cell::solve::{CellMethod, SolveError, SolverSettings};
 use myospring::cell::{CellModel, Input, coelho_2021};
 use std::sync::Arc;
 
@@ -42,7 +42,7 @@ fn motley() -> Vec<(MinimalModel, Protocol, f64)> {
 }
 
 fn every(sample_interval_ms: Option<f64>) -> BatchSettings {
-    BatchSettings { method: Settings::of(Method::Adaptive), sample_interval_ms }
+    BatchSettings { method: SolverSettings::of(CellMethod::Adaptive), sample_interval_ms }
 }
 
 fn paced(model: &MinimalModel, protocol: Protocol, duration_ms: f64) -> Result<Paced, SolveError> {
@@ -61,7 +61,8 @@ fn a_cell_has_the_same_bits_alone_and_in_any_company() {
     let together = run_all(&cells, &every(None));
     assert_eq!(together.len(), cells.len());
     for ((model, protocol, duration), outcome) in cells.iter().zip(&together) {
-        let alone = beats(model, *protocol, adaptive::Settings::default(), *duration).unwrap();
+        let alone =
+            beats(model, *protocol, adaptive::AdaptiveSettings::default(), *duration).unwrap();
         assert_eq!(outcome.beats, alone, "{}", model.name());
     }
     let mut backwards = cells.clone();
@@ -76,9 +77,14 @@ fn sampled_states_are_those_of_one_cell_alone() {
     let cells = motley();
     let settings = every(Some(0.7));
     for ((model, protocol, duration), outcome) in cells.iter().zip(run_all(&cells, &settings)) {
-        let alone =
-            adaptive::solve(model, *protocol, adaptive::Settings::default(), *duration, 0.7)
-                .unwrap();
+        let alone = adaptive::solve(
+            model,
+            *protocol,
+            adaptive::AdaptiveSettings::default(),
+            *duration,
+            0.7,
+        )
+        .unwrap();
         assert_eq!(outcome.samples.len(), alone.time_ms.len());
         for (sample, k) in outcome.samples.iter().zip(0..) {
             let expected: Vec<f64> = alone.states.iter().map(|column| column[k]).collect();
@@ -133,7 +139,7 @@ fn impossible_cells_and_settings_are_refused() {
     let cell = paced(&model, good, 1.0).unwrap();
     let never = every(Some(0.0));
     assert!(matches!(run(std::slice::from_ref(&cell), &never), Err(SolveError::Time { .. })));
-    let method = Settings { tolerance: 1.0, ..Settings::of(Method::Adaptive) };
+    let method = SolverSettings { tolerance: 1.0, ..SolverSettings::of(CellMethod::Adaptive) };
     let loose = BatchSettings { method, ..every(None) };
     assert!(matches!(run(&[cell], &loose), Err(SolveError::Tolerance { .. })));
 }

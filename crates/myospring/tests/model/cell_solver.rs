@@ -3,15 +3,15 @@
 
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::solve::{Method, Settings, SolveError, solve};
+use myospring::cell::solve::{CellMethod, SolveError, SolverSettings, solve};
 use myospring::cell::{self, CellModel, Input, toy::ToyModel};
 use std::sync::Arc;
 
 const JUMP: Stimulus = Stimulus::Jump { amplitude: 1.0 };
 
-fn error_of(method: Method, step_ms: f64) -> f64 {
+fn error_of(method: CellMethod, step_ms: f64) -> f64 {
     let toy = ToyModel::published();
-    let settings = Settings { step_ms, ..Settings::of(method) };
+    let settings = SolverSettings { step_ms, ..SolverSettings::of(method) };
     let trace = solve(&toy, Protocol::once(JUMP), settings, 200.0, 10.0).unwrap();
     let error = |(t, ta): (&f64, &f64)| (ta - toy.tension_after_jump(1.0, t - 50.0)).abs();
     trace.time_ms.iter().zip(&trace.tension).map(error).fold(0.0, f64::max)
@@ -19,7 +19,8 @@ fn error_of(method: Method, step_ms: f64) -> f64 {
 
 #[test]
 fn every_method_has_its_order_on_smooth_equations() {
-    for (method, order, step) in [(Method::RungeKutta4, 4.0, 5.0), (Method::ForwardEuler, 1.0, 0.1)]
+    for (method, order, step) in
+        [(CellMethod::RungeKutta4, 4.0, 5.0), (CellMethod::ForwardEuler, 1.0, 0.1)]
     {
         let measured = (error_of(method, step) / error_of(method, step / 2.0)).log2();
         // The next term of the error shifts the measured order by a few per cent.
@@ -31,7 +32,7 @@ fn every_method_has_its_order_on_smooth_equations() {
 fn stiff_steps_solve_the_toy_as_exactly_as_asked_between_their_ends_too() {
     let toy = ToyModel::published();
     for tolerance in [1e-3, 1e-5, 1e-7] {
-        let settings = Settings { tolerance, ..Settings::of(Method::Stiff) };
+        let settings = SolverSettings { tolerance, ..SolverSettings::of(CellMethod::Stiff) };
         let trace = solve(&toy, Protocol::once(JUMP), settings, 200.0, 0.3).unwrap();
         let error = |(t, ta): (&f64, &f64)| (ta - toy.tension_after_jump(1.0, t - 50.0)).abs();
         let largest = trace.time_ms.iter().zip(&trace.tension).map(error).fold(0.0, f64::max);
@@ -41,7 +42,7 @@ fn stiff_steps_solve_the_toy_as_exactly_as_asked_between_their_ends_too() {
 
 #[test]
 fn the_default_settings_solve_the_toy_to_rounding() {
-    let Settings { method, step_ms, .. } = Settings::default();
+    let SolverSettings { method, step_ms, .. } = SolverSettings::default();
     // 40000 steps, each rounding by an epsilon of values below 1.
     assert!(error_of(method, step_ms) < 40_000.0 * f64::EPSILON);
 }
@@ -49,7 +50,7 @@ fn the_default_settings_solve_the_toy_to_rounding() {
 #[test]
 fn a_jump_acts_at_its_time_and_shows_in_the_state_at_that_time() {
     let toy: Arc<dyn CellModel> = Arc::new(ToyModel::published());
-    let settings = Settings { step_ms: 0.05, ..Settings::of(Method::ForwardEuler) };
+    let settings = SolverSettings { step_ms: 0.05, ..SolverSettings::of(CellMethod::ForwardEuler) };
     let mut cell = CellIntegrator::new(Arc::clone(&toy), Protocol::once(JUMP), settings).unwrap();
     cell.advance_to(49.999, 1.0, 0.0).unwrap();
     assert_eq!(cell.state(), [0.0, 0.0]);
@@ -67,7 +68,7 @@ fn charge(protocol: Protocol, step_ms: f64, stops: &[f64]) -> f64 {
     let mut parameters = cell::toy::parameters();
     parameters.set("tau", 1e6).unwrap();
     let toy: Arc<dyn CellModel> = Arc::new(ToyModel::new(parameters).unwrap());
-    let settings = Settings { step_ms, ..Settings::of(Method::ForwardEuler) };
+    let settings = SolverSettings { step_ms, ..SolverSettings::of(CellMethod::ForwardEuler) };
     let mut cell = CellIntegrator::new(Arc::clone(&toy), protocol, settings).unwrap();
     for stop in stops {
         cell.advance_to(*stop, 1.0, 0.0).unwrap();
@@ -115,7 +116,7 @@ fn a_pulse_acts_at_its_start_and_not_at_its_end() {
 fn steps_hit_round_times_exactly_and_stops_on_the_grid_do_not_change_a_bit() {
     let model = cell::coelho_2021::model();
     let protocol = Protocol::once(model.default_stimulus());
-    for settings in [Settings::default(), cell::coelho_2021::authors_step()] {
+    for settings in [SolverSettings::default(), cell::coelho_2021::authors_step()] {
         let run = |stop_ms: f64| {
             let mut cell =
                 CellIntegrator::new(Arc::new(model.clone()), protocol, settings).unwrap();
@@ -137,7 +138,8 @@ fn stops_between_grid_points_keep_the_accuracy() {
     let protocol = Protocol::once(model.default_stimulus());
     let run = |stop_ms: f64| {
         let mut cell =
-            CellIntegrator::new(Arc::new(model.clone()), protocol, Settings::default()).unwrap();
+            CellIntegrator::new(Arc::new(model.clone()), protocol, SolverSettings::default())
+                .unwrap();
         let mut stop = 0;
         while cell.time() < 150.0 {
             stop += 1;
@@ -153,7 +155,7 @@ fn stops_between_grid_points_keep_the_accuracy() {
 fn a_state_that_leaves_the_numbers_is_named_with_value_and_time() {
     let model = cell::coelho_2021::model();
     let protocol = Protocol::once(model.default_stimulus());
-    let settings = Settings { step_ms: 50.0, ..Settings::default() };
+    let settings = SolverSettings { step_ms: 50.0, ..SolverSettings::default() };
     let error = solve(&model, protocol, settings, 60_000.0, 50.0).unwrap_err();
     let SolveError::NotFinite { variable, value, time_ms, .. } = &error else {
         panic!("{error}");
@@ -170,10 +172,10 @@ fn impossible_requests_are_refused() {
     let toy: Arc<dyn CellModel> = Arc::new(ToyModel::published());
     let rest = Protocol::rest();
     for step_ms in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let settings = Settings { step_ms, ..Settings::default() };
+        let settings = SolverSettings { step_ms, ..SolverSettings::default() };
         assert!(matches!(solve(&*toy, rest, settings, 1.0, 1.0), Err(SolveError::Step { .. })));
     }
-    let settings = Settings::default();
+    let settings = SolverSettings::default();
     for (duration, interval) in [(0.0, 1.0), (1.0, 0.0), (f64::NAN, 1.0), (1.0, f64::INFINITY)] {
         let result = solve(&*toy, rest, settings, duration, interval);
         assert!(matches!(result, Err(SolveError::Time { .. })));
@@ -186,7 +188,7 @@ fn impossible_requests_are_refused() {
     let rate = cell.advance_to(2.0, 1.0, f64::NAN);
     assert!(matches!(rate, Err(SolveError::StretchRate { .. })));
     for tolerance in [0.0, 1.0, f64::NAN] {
-        let settings = Settings { tolerance, ..Settings::of(Method::Stiff) };
+        let settings = SolverSettings { tolerance, ..SolverSettings::of(CellMethod::Stiff) };
         let refused = solve(&*toy, rest, settings, 1.0, 1.0);
         assert!(matches!(refused, Err(SolveError::Tolerance { .. })));
     }
@@ -218,8 +220,8 @@ fn a_changed_parameter_changes_the_beat() {
     set.set("c_0", 0.02).unwrap();
     let changed = model.with_parameters(set).unwrap();
     let (before, after) =
-        (cell::solve::reference_beat(model.as_ref(), Settings::default()).unwrap(), {
-            cell::solve::reference_beat(changed.as_ref(), Settings::default()).unwrap()
+        (cell::solve::reference_beat(model.as_ref(), SolverSettings::default()).unwrap(), {
+            cell::solve::reference_beat(changed.as_ref(), SolverSettings::default()).unwrap()
         });
     assert!(after.peak_tension > 1.1 * before.peak_tension, "{before:?} {after:?}");
 }

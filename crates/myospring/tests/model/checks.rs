@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::exchange::{Toy, strip};
-use myospring::analysis::beat::{self, Place};
+use myospring::analysis::beat::{self, BandPosition};
 use myospring::cell::pacing::Protocol;
 use myospring::cell::{self, CellModel, TensionKind};
 use myospring::exchange::{Activation, Sites};
@@ -104,7 +104,7 @@ fn a_model_that_shortens_otherwise_than_measured_cells_says_so_of_itself_and_its
             None => {
                 assert_eq!(
                     (band.place(ratio), pace),
-                    (Place::In, Pace::AsMeasured),
+                    (BandPosition::In, Pace::AsMeasured),
                     "{name}: {ratio}"
                 );
             }

@@ -3,7 +3,7 @@
 
 use super::beat::quick_twitch;
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{Settings, SolveError, solve_interruptible};
+use myospring::cell::solve::{SolveError, SolverSettings, solve_interruptible};
 use myospring::cell::steady::{self, SteadyError};
 use myospring::cell::{CellModel, coelho_2021};
 use myospring::integrate::Method;
@@ -110,7 +110,7 @@ const TRIALS: [Trial; 7] = [
         least: 500,
         work: |asked| {
             let (model, protocol) = paced();
-            match steady::pace(&model, protocol, Settings::default(), 1e-3, &asked) {
+            match steady::pace(&model, protocol, SolverSettings::default(), 1e-3, &asked) {
                 Err(SteadyError::Interrupted(_)) => true,
                 Err(error) => panic!("{error}"),
                 Ok(_) => false,
@@ -122,7 +122,7 @@ const TRIALS: [Trial; 7] = [
         least: 600,
         work: |asked| {
             let (model, protocol) = paced();
-            let settings = Settings::default();
+            let settings = SolverSettings::default();
             match solve_interruptible(&*model, protocol, settings, 600.0, 1.0, &asked) {
                 Err(SolveError::Interrupted(_)) => true,
                 Err(error) => panic!("{error}"),

@@ -7,7 +7,7 @@ mod own_cell;
 use myospring::cell::adaptive::{self, AdaptiveIntegrator};
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::solve::{self, Method, Settings, SolveError, solve};
+use myospring::cell::solve::{self, CellMethod, SolveError, SolverSettings, solve};
 use myospring::cell::toy::ToyModel;
 use myospring::cell::trace::CellTrace;
 use myospring::cell::{
@@ -24,12 +24,12 @@ use myospring::units::Dimension;
 use own_cell::OwnCell;
 use std::sync::Arc;
 
-fn beat(model: &OwnCell, settings: Settings) -> CellTrace {
+fn beat(model: &OwnCell, settings: SolverSettings) -> CellTrace {
     solve(model, Protocol::once(model.default_stimulus()), settings, 600.0, 1.0).unwrap()
 }
 
 fn exact(model: &OwnCell) -> CellTrace {
-    beat(model, Settings { tolerance: 1e-9, ..Settings::of(Method::Stiff) })
+    beat(model, SolverSettings { tolerance: 1e-9, ..SolverSettings::of(CellMethod::Stiff) })
 }
 
 /// Largest difference of a column from another course of it, over its range.
@@ -51,7 +51,7 @@ fn models_made_at_run_time_hold_to_the_promises() {
     check_cell_model(own_cell::mild().without_jacobian());
     let stiff: Arc<dyn CellModel> = Arc::new(own_cell::stiff());
     assert_eq!(stiff.states().len(), 40);
-    check_cell_model_with(&stiff, Settings::of(Method::Stiff));
+    check_cell_model_with(&stiff, SolverSettings::of(CellMethod::Stiff));
 }
 
 #[test]
@@ -84,13 +84,13 @@ fn every_method_that_fits_gives_the_same_beat() {
     let largest = calcium.iter().copied().fold(0.0, f64::max);
     assert!(largest > 20.0 * calcium[0] && calcium[600] < 0.1 * largest, "{largest} uM");
     for (method, bound) in [
-        (Method::RungeKutta4, 1e-6),
-        (Method::Stiff, 1e-4),
+        (CellMethod::RungeKutta4, 1e-6),
+        (CellMethod::Stiff, 1e-4),
         // Order 1: late by part of a step, at 200 mV/ms on the way up.
-        (Method::ForwardEuler, 0.02),
-        (Method::RushLarsen, 0.02),
+        (CellMethod::ForwardEuler, 0.02),
+        (CellMethod::RushLarsen, 0.02),
     ] {
-        let trace = beat(&model, Settings::of(method));
+        let trace = beat(&model, SolverSettings::of(method));
         let off = largest_difference(&trace, &exact);
         assert!(off < bound, "{method}: {off:e}");
         assert!((trace.peak_tension().unwrap().value / 59.899 - 1.0).abs() < 1e-3, "{method}");
@@ -102,27 +102,32 @@ fn gates_of_their_own_let_rush_larsen_step_where_euler_cannot() {
     let model = own_cell::mild();
     let exact = exact(&model);
     let run = |method, step_ms| {
-        let settings = Settings { step_ms, ..Settings::of(method) };
+        let settings = SolverSettings { step_ms, ..SolverSettings::of(method) };
         solve(&model, Protocol::once(model.default_stimulus()), settings, 600.0, 1.0)
     };
-    let off = |step_ms| difference("V", &run(Method::RushLarsen, step_ms).unwrap(), &exact);
+    let off = |step_ms| difference("V", &run(CellMethod::RushLarsen, step_ms).unwrap(), &exact);
     let order = (off(0.005) / off(0.0025)).log2();
     assert!((order - 1.0).abs() < 0.06, "{order}");
     // m takes 0.012 ms at rest: forward Euler is unstable from 0.025 ms on.
     assert!(off(0.04) < 0.15, "{}", off(0.04));
-    let euler = run(Method::ForwardEuler, 0.04).map(|trace| difference("V", &trace, &exact));
+    let euler = run(CellMethod::ForwardEuler, 0.04).map(|trace| difference("V", &trace, &exact));
     assert!(euler.as_ref().map_or(true, |off| *off > 1.0), "{euler:?}");
 }
 
 #[test]
 fn forty_stiff_states_need_stiff_steps_and_get_them_as_exact_as_asked() {
     let model = own_cell::stiff();
-    let fixed =
-        solve(&model, Protocol::once(model.default_stimulus()), Settings::default(), 600.0, 1.0);
+    let fixed = solve(
+        &model,
+        Protocol::once(model.default_stimulus()),
+        SolverSettings::default(),
+        600.0,
+        1.0,
+    );
     assert!(matches!(fixed, Err(SolveError::NotFinite { .. })));
     let exact = exact(&model);
     for tolerance in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7] {
-        let settings = Settings { tolerance, ..Settings::of(Method::Stiff) };
+        let settings = SolverSettings { tolerance, ..SolverSettings::of(CellMethod::Stiff) };
         // Measured: 0.6 to 1.9 times the tolerance.
         let off = largest_difference(&beat(&model, settings), &exact);
         assert!(off < 5.0 * tolerance, "{tolerance:e}: {off:e}");
@@ -136,7 +141,8 @@ fn forty_stiff_states_need_stiff_steps_and_get_them_as_exact_as_asked() {
 fn a_cell_that_no_stiff_step_takes_further_is_named_with_its_state_and_time() {
     let model = own_cell::mild();
     let protocol = Protocol::once(Stimulus::Jump { amplitude: 1e200 });
-    let error = solve(&model, protocol, Settings::of(Method::Stiff), 100.0, 1.0).unwrap_err();
+    let error =
+        solve(&model, protocol, SolverSettings::of(CellMethod::Stiff), 100.0, 1.0).unwrap_err();
     assert!(matches!(error, SolveError::Stalled { .. }), "{error}");
     assert!(error.to_string().contains("`own_1` cannot be integrated beyond 50 ms"), "{error}");
 }
@@ -145,9 +151,9 @@ fn a_cell_that_no_stiff_step_takes_further_is_named_with_its_state_and_time() {
 fn adaptive_steps_by_name_are_those_of_the_adaptive_integrator() {
     let model = coelho_2021::model();
     let protocol = Protocol::once(model.default_stimulus());
-    let own = adaptive::Settings::default();
+    let own = adaptive::AdaptiveSettings::default();
     let mut alone = AdaptiveIntegrator::new(&model, protocol, own).unwrap();
-    let settings = Settings::of(Method::Adaptive);
+    let settings = SolverSettings::of(CellMethod::Adaptive);
     let mut cell = CellIntegrator::new(Arc::new(model), protocol, settings).unwrap();
     for time in [0.3, 49.0, 50.0, 51.7, 170.0, 600.0] {
         alone.advance_to(time).unwrap();
@@ -159,19 +165,19 @@ fn adaptive_steps_by_name_are_those_of_the_adaptive_integrator() {
 #[test]
 fn a_method_that_the_model_is_not_made_for_is_refused_with_what_serves_instead() {
     let refusal = |model: Arc<dyn CellModel>, method| {
-        let settings = Settings::of(method);
+        let settings = SolverSettings::of(method);
         CellIntegrator::new(model, Protocol::rest(), settings).err().unwrap().to_string()
     };
     let own = || Arc::new(own_cell::mild());
     for (message, parts) in [
-        (refusal(own(), Method::Adaptive), ["`own_1`", "`adaptive`", "the minimal model only"]),
-        (refusal(own(), Method::StaggeredEuler), ["`own_1`", "`staggered-euler`", "`stiff`"]),
+        (refusal(own(), CellMethod::Adaptive), ["`own_1`", "`adaptive`", "the minimal model only"]),
+        (refusal(own(), CellMethod::StaggeredEuler), ["`own_1`", "`staggered-euler`", "`stiff`"]),
         (
-            refusal(Arc::new(ToyModel::published()), Method::RushLarsen),
+            refusal(Arc::new(ToyModel::published()), CellMethod::RushLarsen),
             ["`toy_alpha`", "`rush-larsen`", "names its gates"],
         ),
         (
-            refusal(Arc::new(coelho_2021::model()), Method::Stiff),
+            refusal(Arc::new(coelho_2021::model()), CellMethod::Stiff),
             ["`coelho_2021`", "where equations jump", "take `adaptive`"],
         ),
     ] {
@@ -185,14 +191,14 @@ fn a_method_that_the_model_is_not_made_for_is_refused_with_what_serves_instead()
 fn a_jump_moves_every_state_of_the_stimulus_in_proportion() {
     let model = own_cell::mild();
     let protocol = Protocol { start_ms: 0.0, ..Protocol::once(Stimulus::Jump { amplitude: 20.0 }) };
-    for method in [Method::RungeKutta4, Method::Stiff] {
+    for method in [CellMethod::RungeKutta4, CellMethod::Stiff] {
         let own: Arc<dyn CellModel> = Arc::new(model.clone());
-        let cell = CellIntegrator::new(own, protocol, Settings::of(method)).unwrap();
+        let cell = CellIntegrator::new(own, protocol, SolverSettings::of(method)).unwrap();
         let mut expected = model.initial_state();
         expected[0] += 20.0;
         assert_eq!(cell.state(), expected, "{method}");
         let two: Arc<dyn CellModel> = Arc::new(follower());
-        let cell = CellIntegrator::new(two, protocol, Settings::of(method)).unwrap();
+        let cell = CellIntegrator::new(two, protocol, SolverSettings::of(method)).unwrap();
         assert_eq!(cell.state(), [21.0, -5.0], "{method}");
     }
 }
@@ -200,7 +206,7 @@ fn a_jump_moves_every_state_of_the_stimulus_in_proportion() {
 #[test]
 fn its_tension_in_kilopascal_drives_a_cell_as_it_is() {
     let model = own_cell::stiff();
-    let own = solve::reference_beat(&model, Settings::of(Method::Stiff)).unwrap();
+    let own = solve::reference_beat(&model, SolverSettings::of(CellMethod::Stiff)).unwrap();
     for tension_scale in [TensionScale::Published, TensionScale::OwnPeak] {
         let mut simulation = Simulation {
             protocol: Protocol::once(model.default_stimulus()),
@@ -209,7 +215,7 @@ fn its_tension_in_kilopascal_drives_a_cell_as_it_is() {
             tension_scale,
             ..Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap())
         };
-        simulation.numerics.cell = Settings::of(Method::Stiff);
+        simulation.numerics.cell = SolverSettings::of(CellMethod::Stiff);
         let outcome = simulation.prepare().unwrap().run(|_| true);
         assert_eq!(outcome.stop, None);
         let samples = &outcome.recording.samples;
@@ -323,8 +329,8 @@ fn follower() -> Feeling {
 #[test]
 fn a_model_that_feels_feels_each_stretch_exactly_as_long_as_it_lasts() {
     let felt = [(3.0, 0.9, -0.01), (3.1, 0.8, 0.5), (20.0, 1.1, 0.0), (20.25, 1.0, -2.0)];
-    for method in [Method::RungeKutta4, Method::Stiff] {
-        let settings = Settings { tolerance: 1e-9, ..Settings::of(method) };
+    for method in [CellMethod::RungeKutta4, CellMethod::Stiff] {
+        let settings = SolverSettings { tolerance: 1e-9, ..SolverSettings::of(method) };
         let model: Arc<dyn CellModel> = Arc::new(follower());
         let mut cell = CellIntegrator::new(model, Protocol::rest(), settings).unwrap();
         let (mut expected, mut before) = ([1.0, 0.0], 0.0);

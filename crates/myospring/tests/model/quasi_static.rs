@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use super::beat::quick_twitch;
-use myospring::integrate::quasi_static::{Path, PathError, Place, Tolerance};
+use myospring::integrate::quasi_static::{Path, PathError, Tolerance, WeakPlace};
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::area::AreaLaw;
@@ -227,7 +227,7 @@ fn a_clamped_strip_that_is_pushed_buckles_at_eulers_load() {
         let error = path.extend(-20.0).unwrap_err();
         let PathError::Unstable { tension, beyond, place } = error else { panic!("{error}") };
         // Both ends are held, so the middle gives way.
-        let Place { x, .. } = place.unwrap();
+        let WeakPlace { x, .. } = place.unwrap();
         assert!((x - 50.0).abs() < 5.0, "x = {x} um of 100 um");
         let euler = 308.0 * PI * PI / 3.0 * (rows as f64 / 90.0).powi(2);
         assert!((-tension / euler - 1.0).abs() < 0.07, "{tension} kPa, Euler {euler}");

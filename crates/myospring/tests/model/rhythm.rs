@@ -5,7 +5,7 @@
 use myospring::analysis::beat::Beats;
 use myospring::analysis::capture;
 use myospring::cell::pacing::{Protocol, Stimulus};
-use myospring::cell::solve::{Method, Settings, solve};
+use myospring::cell::solve::{CellMethod, SolverSettings, solve};
 use myospring::cell::{self, CellModel};
 use myospring::integrate::Method as Way;
 use myospring::mesh::lattice;
@@ -23,11 +23,11 @@ const MODELS: [&str; 6] = [
     "tor_ord_endo",
 ];
 
-fn exact(model: &dyn CellModel) -> Settings {
+fn exact(model: &dyn CellModel) -> SolverSettings {
     if model.adaptive().is_some() {
-        Settings { tolerance: 1e-5, ..Settings::of(Method::Adaptive) }
+        SolverSettings { tolerance: 1e-5, ..SolverSettings::of(CellMethod::Adaptive) }
     } else {
-        Settings { tolerance: 1e-3, ..Settings::of(Method::Stiff) }
+        SolverSettings { tolerance: 1e-3, ..SolverSettings::of(CellMethod::Stiff) }
     }
 }
 
@@ -40,7 +40,7 @@ fn train(model: &dyn CellModel, cycle_length_ms: f64) -> Protocol {
 fn potential(
     model: &(dyn CellModel + 'static),
     cycle_length_ms: f64,
-    settings: Settings,
+    settings: SolverSettings,
 ) -> (Vec<f64>, Vec<f64>, &'static str) {
     let protocol = train(model, cycle_length_ms);
     let end = 10.0 + f64::from(BEATS) * cycle_length_ms;
@@ -51,7 +51,11 @@ fn potential(
     }
 }
 
-fn captured(model: &(dyn CellModel + 'static), cycle_length_ms: f64, settings: Settings) -> String {
+fn captured(
+    model: &(dyn CellModel + 'static),
+    cycle_length_ms: f64,
+    settings: SolverSettings,
+) -> String {
     let (times, potential, unit) = potential(model, cycle_length_ms, settings);
     let stimuli: Vec<f64> = train(model, cycle_length_ms).stimulus_times().collect();
     flags(&capture::of(&times, &potential, unit, &stimuli))
@@ -111,10 +115,10 @@ fn methods_agree_on_which_stimuli_are_captured() {
         let model = cell::model(name).unwrap();
         for cycle in cycles {
             let expected = captured(&*model, cycle, exact(&*model));
-            let gated = (!model.gates().is_empty()).then_some(Method::RushLarsen);
+            let gated = (!model.gates().is_empty()).then_some(CellMethod::RushLarsen);
             let methods = gated.into_iter().chain([model.usual_settings().method]);
             for method in methods {
-                let settings = Settings { method, ..model.usual_settings() };
+                let settings = SolverSettings { method, ..model.usual_settings() };
                 assert_eq!(
                     captured(&*model, cycle, settings),
                     expected,

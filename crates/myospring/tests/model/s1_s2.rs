@@ -6,7 +6,7 @@
 use myospring::analysis::s2::S1S2;
 use myospring::analysis::value;
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{Method, Settings, solve};
+use myospring::cell::solve::{CellMethod, SolverSettings, solve};
 use myospring::cell::{self, CellModel, TensionKind, steady};
 use myospring::integrate::Method as Way;
 use myospring::interruption::Interruption;
@@ -27,11 +27,11 @@ fn protocol(model: &dyn CellModel, interval_ms: f64) -> Protocol {
 }
 
 /// The method that chooses its steps.
-fn exact(model: &dyn CellModel) -> Settings {
+fn exact(model: &dyn CellModel) -> SolverSettings {
     if model.adaptive().is_some() {
-        Settings { tolerance: 1e-6, ..Settings::of(Method::Adaptive) }
+        SolverSettings { tolerance: 1e-6, ..SolverSettings::of(CellMethod::Adaptive) }
     } else {
-        Settings { tolerance: 1e-4, ..Settings::of(Method::Stiff) }
+        SolverSettings { tolerance: 1e-4, ..SolverSettings::of(CellMethod::Stiff) }
     }
 }
 

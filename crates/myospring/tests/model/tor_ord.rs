@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{Method, Settings, solve};
+use myospring::cell::solve::{CellMethod, SolverSettings, solve};
 use myospring::cell::tomek_2019::{Layer, TomekModel, Variant};
 use myospring::cell::{self, CellModel, Input};
 use myospring::integrate::Method as Way;
@@ -99,7 +99,7 @@ fn falls(course: &[f64], from: usize, level: f64) -> f64 {
 fn beat(model: &(dyn CellModel + 'static), beats: u32, cycle_length_ms: f64) -> Beat {
     let stimulus = model.default_stimulus();
     let protocol = Protocol { start_ms: 0.0, cycle_length_ms, beats, ..Protocol::once(stimulus) };
-    let settings = Settings { tolerance: 1e-4, ..Settings::of(Method::Stiff) };
+    let settings = SolverSettings { tolerance: 1e-4, ..SolverSettings::of(CellMethod::Stiff) };
     let duration_ms = f64::from(beats) * cycle_length_ms;
     let trace = solve(model, protocol, settings, duration_ms, EACH_MS).unwrap();
     let from = trace.time_ms.len() - 1 - (cycle_length_ms / EACH_MS) as usize;
@@ -201,7 +201,8 @@ fn the_jacobian_is_that_of_differences_in_every_form() {
     for variant in [Variant::Published, Variant::MovingChloride, Variant::Land] {
         let model = TomekModel::published(Layer::Epi, variant);
         let protocol = Protocol { start_ms: 0.0, ..Protocol::once(model.default_stimulus()) };
-        let trace = solve(&model, protocol, Settings::of(Method::Stiff), 400.0, 40.0).unwrap();
+        let trace =
+            solve(&model, protocol, SolverSettings::of(CellMethod::Stiff), 400.0, 40.0).unwrap();
         let size = model.states().len();
         for sample in 0..trace.time_ms.len() {
             let mut state: Vec<f64> = trace.states.iter().map(|column| column[sample]).collect();

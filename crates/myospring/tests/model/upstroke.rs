@@ -4,14 +4,14 @@
 
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{Method, Settings};
+use myospring::cell::solve::{CellMethod, SolverSettings};
 use myospring::cell::{self, CellModel, Input};
 use myospring::integrate::Method as Way;
 use myospring::mesh::lattice;
 use myospring::simulation::Simulation;
 use std::sync::Arc;
 
-fn in_a_run(model: &Arc<dyn CellModel>, settings: Settings, output_ms: f64) -> f64 {
+fn in_a_run(model: &Arc<dyn CellModel>, settings: SolverSettings, output_ms: f64) -> f64 {
     let mut simulation = Simulation {
         cell: Arc::clone(model),
         protocol: Protocol::once(model.default_stimulus()),
@@ -25,7 +25,7 @@ fn in_a_run(model: &Arc<dyn CellModel>, settings: Settings, output_ms: f64) -> f
 }
 
 /// The largest ionic rate along a fine solution, in mV or without unit, per ms.
-fn by_the_equations(model: &Arc<dyn CellModel>, settings: Settings) -> f64 {
+fn by_the_equations(model: &Arc<dyn CellModel>, settings: SolverSettings) -> f64 {
     let protocol = Protocol::once(model.default_stimulus());
     let mut cell = CellIntegrator::new(Arc::clone(model), protocol, settings).unwrap();
     let potential = |state: &[f64]| {
@@ -47,11 +47,11 @@ fn by_the_equations(model: &Arc<dyn CellModel>, settings: Settings) -> f64 {
 #[test]
 fn it_does_not_depend_on_the_sampling() {
     for (name, settings) in [
-        ("coelho_2021", Settings::default()),
-        ("coelho_2021", Settings::of(Method::Adaptive)),
-        ("bueno_orovio_2008_epi", Settings::default()),
-        ("bueno_orovio_2008_epi", Settings::of(Method::Adaptive)),
-        ("tor_ord_land", Settings::of(Method::Stiff)),
+        ("coelho_2021", SolverSettings::default()),
+        ("coelho_2021", SolverSettings::of(CellMethod::Adaptive)),
+        ("bueno_orovio_2008_epi", SolverSettings::default()),
+        ("bueno_orovio_2008_epi", SolverSettings::of(CellMethod::Adaptive)),
+        ("tor_ord_land", SolverSettings::of(CellMethod::Stiff)),
     ] {
         let model = cell::model(name).unwrap();
         let expected = by_the_equations(&model, settings);

@@ -6,7 +6,7 @@ use gif::{DecodeOptions, DisposalMethod, Repeat};
 use myospring::mesh::lattice;
 use myospring::mesh::outline::Outline;
 use myospring::output::field::{Field, Fields};
-use myospring::output::figure::{Cell, FigureError, Film, Theme};
+use myospring::output::figure::{BeatFilm, DrawnCell, FigureError, Theme};
 use myospring::recording::Recording;
 
 fn disc(radius: f64) -> Outline {
@@ -22,8 +22,8 @@ fn a_gif_decodes_to_the_frames_that_were_drawn() {
     let mesh = elongated(4.0);
     let run = recording(&mesh, [1.0, 0.0], 50.0, false);
     let fibres = vec![[1.0, 0.0]; mesh.simplices.len()];
-    let cell = Cell::new(Fields::new(&mesh, &fibres, None).unwrap(), None).unwrap();
-    let film = Film::new(&cell, &run, &[STIMULUS], 5.0, Theme::Light).unwrap();
+    let cell = DrawnCell::new(Fields::new(&mesh, &fibres, None).unwrap(), None).unwrap();
+    let film = BeatFilm::new(&cell, &run, &[STIMULUS], 5.0, Theme::Light).unwrap();
     // 600 ms in steps of 40 ms of film, 8 ms of the beat, both ends included.
     assert_eq!((film.len(), film.time(1), film.time(75)), (76, 8.0, 600.0));
     let stills: Vec<_> = (0..film.len()).map(|index| film.still(index).unwrap()).collect();
@@ -68,9 +68,9 @@ fn the_colour_reaches_the_outline_everywhere_without_a_gap() {
     let fibres = vec![[1.0, 0.0]; mesh.simplices.len()];
     let run = recording(&mesh, [1.0, 0.0], 50.0, false);
     let rest = Recording { frames: run.frames[..1].to_vec(), ..Recording::default() };
-    let cell = Cell::new(Fields::new(&mesh, &fibres, None).unwrap(), Some(&outline)).unwrap();
+    let cell = DrawnCell::new(Fields::new(&mesh, &fibres, None).unwrap(), Some(&outline)).unwrap();
     let cell = cell.coloured_by(Field::Displacement).scaled_to(&run.frames);
-    let film = Film::new(&cell, &rest, &[], 1.0, Theme::Light).unwrap();
+    let film = BeatFilm::new(&cell, &rest, &[], 1.0, Theme::Light).unwrap();
     assert_eq!(film.len(), 1);
     let ([width, _], pixels) = film.pixels(0, 1.0).unwrap();
     // The cell is 320 px high and starts 30 px from the top.
@@ -95,17 +95,17 @@ fn a_film_ends_with_its_beat_and_is_dark_where_that_was_asked_for() {
     let mesh = elongated(4.0);
     let run = recording(&mesh, [1.0, 0.0], 50.0, false);
     let fibres = vec![[1.0, 0.0]; mesh.simplices.len()];
-    let cell = Cell::new(Fields::new(&mesh, &fibres, None).unwrap(), None).unwrap();
-    let film = Film::new(&cell, &run, &[STIMULUS, 450.0], 1.0, Theme::Dark).unwrap();
+    let cell = DrawnCell::new(Fields::new(&mesh, &fibres, None).unwrap(), None).unwrap();
+    let film = BeatFilm::new(&cell, &run, &[STIMULUS, 450.0], 1.0, Theme::Dark).unwrap();
     // 450 ms in steps of 40 ms.
     assert_eq!((film.len(), film.time(11)), (12, 440.0));
     let (_, pixels) = film.pixels(3, 1.0).unwrap();
     assert_eq!(pixels[..3], [0x14, 0x17, 0x1c]);
     let empty = Recording::default();
-    let none = Film::new(&cell, &empty, &[], 1.0, Theme::Light);
+    let none = BeatFilm::new(&cell, &empty, &[], 1.0, Theme::Light);
     assert!(matches!(none, Err(FigureError::Nothing { what: "frames" })));
     for slowed in [0.0, 0.5, f64::NAN, f64::INFINITY] {
-        let error = Film::new(&cell, &run, &[], slowed, Theme::Light).unwrap_err();
+        let error = BeatFilm::new(&cell, &run, &[], slowed, Theme::Light).unwrap_err();
         assert!(matches!(error, FigureError::Slowed { .. }));
     }
 }

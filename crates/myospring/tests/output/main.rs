@@ -14,7 +14,7 @@ use myospring::mesh::Mesh;
 use myospring::output::csv::traces;
 use myospring::output::field::Fields;
 use myospring::output::figure::{
-    Cell, ContractionOptions, Figure, FigureError, Shape, action_potential_and_tension,
+    ContractionOptions, DrawnCell, Figure, FigureError, Shape, action_potential_and_tension,
     cell_shapes, contraction, key_shapes, mesh, overview, work_loop,
 };
 use myospring::recording::{END_FORCE, Frame, Recording, Sample, Signal};
@@ -31,8 +31,8 @@ fn along(mesh: &Mesh, fibre: [f64; 2]) -> Vec<[f64; 2]> {
     vec![fibre; mesh.simplices.len()]
 }
 
-fn cell<'a>(mesh: &'a Mesh, fibres: &[[f64; 2]]) -> Result<Cell<'a>, FigureError> {
-    Cell::new(Fields::new(mesh, fibres, None)?, None)
+fn cell<'a>(mesh: &'a Mesh, fibres: &[[f64; 2]]) -> Result<DrawnCell<'a>, FigureError> {
+    DrawnCell::new(Fields::new(mesh, fibres, None)?, None)
 }
 
 fn all_figures(mesh_of_run: &Mesh, run: &Recording, fibre: [f64; 2]) -> Vec<Figure> {

@@ -2,7 +2,7 @@
 
 use super::drawn::{Pixels, size};
 use myospring::output::figure::{
-    Distribution, Figure, FigureError, Numbers, Response, ResponseMap, Scatter, TraceBand,
+    Distribution, Figure, FigureError, MemberResponse, Numbers, ResponseMap, Scatter, TraceBand,
     distributions, response_map, responses, scatter, trace_bands,
 };
 
@@ -35,7 +35,7 @@ fn all() -> Vec<(Figure, f64)> {
         usual: Some(0.1),
     };
     let kept: Vec<bool> = (0..500).map(|i| i % 2 == 0).collect();
-    let response = |metric: &str| Response {
+    let response = |metric: &str| MemberResponse {
         parameter: "tau_si (ms)".to_owned(),
         metric: metric.to_owned(),
         points: (0..9).map(|i| [f64::from(i), f64::from(i * i)]).collect(),

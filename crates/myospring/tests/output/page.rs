@@ -1,7 +1,7 @@
 //! `report.html`: what goes into the page. That it beats is tested in a browser, beside the page's source.
 
 use crate::synthetic::{STIMULUS, recording};
-use myospring::analysis::curve::{Options, analyse};
+use myospring::analysis::curve::{CurveOptions, analyse};
 use myospring::analysis::kind::Kind;
 use myospring::mesh::outline::Outline;
 use myospring::mesh::pixel_size::PixelSize;
@@ -146,7 +146,7 @@ fn runs_beside_each_other_share_the_room_of_a_page() {
     let page = html(runs);
     assert!(page.len() < 3_000_000, "{}", page.len());
     assert_eq!(cells(&page).as_array().unwrap().len(), 3);
-    let beat = page::Beat {
+    let beat = page::BeatingCells {
         colour: Field::FibreStrain,
         cells: Vec::new(),
         charts: Vec::new(),
@@ -231,7 +231,7 @@ fn ten_beats() -> (Vec<f64>, Vec<f64>) {
 #[test]
 fn a_measured_curve_is_drawn_whole_and_as_one_beat_without_artefacts_that_would_make_it_small() {
     let (times, values) = ten_beats();
-    let analysis = analyse(&times, &values, Kind::Length, "um", &Options::default()).unwrap();
+    let analysis = analyse(&times, &values, Kind::Length, "um", &CurveOptions::default()).unwrap();
     let [whole, one] = Chart::of_curve(&Measured {
         title: "cell",
         kind: Kind::Length,

@@ -8,8 +8,8 @@ use myospring::analysis::beat::Beats;
 use myospring::cell::CellModel;
 use myospring::cell::batch::{self, BatchSettings, Paced};
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{self, Method};
-use myospring::fit::{Fitter, Observed, Scale, Settings, Stimuli, Unknown};
+use myospring::cell::solve::{self, CellMethod};
+use myospring::fit::{FitSettings, Fitter, Observed, Scale, Stimuli, Unknown};
 use myospring::recording::CALCIUM;
 use myospring::run_file::RunFile;
 use myospring::settings::{Models, Run};
@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// With a tension in kPa, and with a relative one.
 fn models() -> [Arc<dyn CellModel>; 2] {
     let own = own_cell::mild();
-    let whole = solve::reference_beat(&own, solve::Settings::default()).unwrap().peak_tension;
+    let whole = solve::reference_beat(&own, solve::SolverSettings::default()).unwrap().peak_tension;
     let strongest = own.parameters().get("T_max").unwrap();
     [Arc::new(own.clone()), Arc::new(own.relative(whole / strongest))]
 }
@@ -54,7 +54,7 @@ fn a_run_file_names_it_and_the_cell_beats_with_its_tension_and_calcium() {
     for model in models() {
         let run = file(&model, "").resolve().unwrap();
         let (beats, calcium) = beaten(&run);
-        let reference = solve::reference_beat(&*model, solve::Settings::default()).unwrap();
+        let reference = solve::reference_beat(&*model, solve::SolverSettings::default()).unwrap();
         let scale =
             model.tension_kind().published_peak().map_or(1.0, |peak| run.peak_tension / peak);
         let peak = beats[0].value("peak_tension").unwrap();
@@ -73,7 +73,8 @@ fn in_a_batch_and_a_study_of_cells_it_has_the_bits_that_it_has_alone() {
     let [model, relative] = models();
     let protocol =
         Protocol { beats: 2, cycle_length_ms: 500.0, ..Protocol::once(model.default_stimulus()) };
-    let method = solve::Settings { tolerance: 1e-6, ..solve::Settings::of(Method::Stiff) };
+    let method =
+        solve::SolverSettings { tolerance: 1e-6, ..solve::SolverSettings::of(CellMethod::Stiff) };
     let settings = BatchSettings { method, sample_interval_ms: Some(0.1) };
     let paced =
         |model: &Arc<dyn CellModel>| Paced::new(Arc::clone(model), protocol, 1100.0).unwrap();
@@ -151,9 +152,9 @@ fn a_fit_finds_the_numbers_of_its_curve() {
             unit: "um".into(),
             stimuli: Stimuli::Given(vec![50.0]),
         };
-        let usual = Settings::usual(&*model);
+        let usual = FitSettings::usual(&*model);
         assert_eq!(usual, [Unknown::TensionOverStiffness, Unknown::Parameter("g_s".to_owned())]);
-        let settings = Settings { starts: 1, ..Settings::default() };
+        let settings = FitSettings { starts: 1, ..FitSettings::default() };
         let fit = fitter.fit(&[observed], &settings, &|_| true).unwrap().unwrap();
         let usual = [fitter.tension_over_stiffness(), model.parameters().get("g_s").unwrap()];
         for ((name, factor), usual) in truth.into_iter().zip(usual) {

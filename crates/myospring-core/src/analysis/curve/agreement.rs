@@ -66,7 +66,7 @@ fn same(one: &[f64], other: &[f64]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Options, analyse};
+    use super::super::{CurveOptions, analyse};
     use super::*;
     use crate::analysis::kind::Kind;
 
@@ -75,7 +75,7 @@ mod tests {
         let pulse = |t: f64| (1.0 - (t / 150.0 - 1.0).abs()).max(0.0);
         let height = |t: f64| onsets.iter().map(|onset| pulse(t - onset)).fold(0.0, f64::max);
         let values: Vec<f64> = times.iter().map(|t| 1.0 - 0.1 * height(*t)).collect();
-        analyse(&times, &values, Kind::NormalisedLength, "", &Options::default()).unwrap()
+        analyse(&times, &values, Kind::NormalisedLength, "", &CurveOptions::default()).unwrap()
     }
 
     #[test]

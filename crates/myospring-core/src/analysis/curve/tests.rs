@@ -96,7 +96,7 @@ fn closed_forms_have_their_known_answers_within_a_thousandth_in_every_kind() {
         let shape = each_second(&times, pulse);
         let of = |kind, unit, level: f64, height: f64| {
             let values: Vec<f64> = shape.iter().map(|part| level + height * part).collect();
-            analyse(&times, &values, kind, unit, &Options::default())
+            analyse(&times, &values, kind, unit, &CurveOptions::default())
                 .unwrap_or_else(|error| panic!("{name}: {error}"))
         };
         let length = of(Kind::Length, "um", 120.0, -12.0);
@@ -140,7 +140,7 @@ fn closed_forms_have_their_known_answers_within_a_thousandth_in_every_kind() {
     }
     let values: Vec<f64> =
         each_second(&times, exponential).iter().map(|h| 120.0 - 12.0 * h).collect();
-    let analysis = analyse(&times, &values, Kind::Length, "um", &Options::default()).unwrap();
+    let analysis = analyse(&times, &values, Kind::Length, "um", &CurveOptions::default()).unwrap();
     check("exponential", &analysis, "relaxation_time_constant", 80.0);
 }
 
@@ -150,20 +150,21 @@ fn a_line_of_drift_is_taken_off_and_a_bleaching_one_nearly() {
     let shape = each_second(&times, triangle);
     let line: Vec<f64> =
         times.iter().zip(&shape).map(|(t, h)| 100.0 + 0.002 * t + 10.0 * h).collect();
-    let analysis = analyse(&times, &line, Kind::Contraction, "a.u.", &Options::default()).unwrap();
+    let analysis =
+        analyse(&times, &line, Kind::Contraction, "a.u.", &CurveOptions::default()).unwrap();
     for (metric, expected) in
         [("peak_amplitude", 10.0), ("relaxation_time_90", 180.0), ("area_under_curve", 1500.0)]
     {
         check("line", &analysis, metric, expected);
     }
-    let kept = Options { keep_drift: true, ..Options::default() };
+    let kept = CurveOptions { keep_drift: true, ..CurveOptions::default() };
     let analysis = analyse(&times, &line, Kind::Contraction, "a.u.", &kept).unwrap();
     assert!(analysis.mean("area_under_curve").unwrap() > 2000.0);
     // Half of the light is gone in 5 s.
     let bleached: Vec<f64> =
         times.iter().zip(&shape).map(|(t, h)| (-t / 7200.0).exp() * (1.0 + 0.5 * h)).collect();
     let analysis =
-        analyse(&times, &bleached, Kind::Fluorescence, "a.u.", &Options::default()).unwrap();
+        analyse(&times, &bleached, Kind::Fluorescence, "a.u.", &CurveOptions::default()).unwrap();
     for beat in &analysis.beats {
         let over = crate::analysis::value(&beat.metrics, "amplitude_over_rest").unwrap();
         assert!((over - 0.5).abs() < 0.01, "{over}");
@@ -180,7 +181,7 @@ fn stimuli_give_the_beats_and_name_those_that_are_missed() {
         .map(|(t, h)| if (3000.0..4000.0).contains(t) { 100.0 } else { 100.0 - 8.0 * h })
         .collect();
     let stimuli_ms = (0..6).map(|i| 200.0 + 1000.0 * f64::from(i)).collect();
-    let options = Options { stimuli_ms, ..Options::default() };
+    let options = CurveOptions { stimuli_ms, ..CurveOptions::default() };
     let analysis = analyse(&times, &values, Kind::Length, "um", &options).unwrap();
     let states: Vec<State> = analysis.beats.iter().map(|beat| beat.state).collect();
     let words: Vec<&str> = states.into_iter().map(State::words).collect();
@@ -193,10 +194,10 @@ fn stimuli_give_the_beats_and_name_those_that_are_missed() {
         .collect();
     assert!(counted.iter().all(|time| (time - 150.0).abs() < 0.3), "{counted:?}");
     // Without stimuli the gap is seen by its length.
-    let analysis = analyse(&times, &values, Kind::Length, "um", &Options::default()).unwrap();
+    let analysis = analyse(&times, &values, Kind::Length, "um", &CurveOptions::default()).unwrap();
     assert_eq!(analysis.beats.len(), 5);
     assert!(analysis.remarks[0].contains("1 beat missing"), "{:?}", analysis.remarks);
-    let late = Options { stimuli_ms: vec![9000.0], ..Options::default() };
+    let late = CurveOptions { stimuli_ms: vec![9000.0], ..CurveOptions::default() };
     let error = analyse(&times, &values, Kind::Length, "um", &late).unwrap_err().to_string();
     assert!(
         error.contains("none of 1 stimuli falls into the recording, from 0 to 5998 ms"),
@@ -213,7 +214,7 @@ fn the_first_beat_answers_a_stimulus_though_a_later_one_is_higher() {
         .map(|(t, h)| 100.0 - 8.0 * h - 9.6 * half_sine((t - 750.0).rem_euclid(1000.0)))
         .collect();
     let stimuli_ms = (0..6).map(|i| 200.0 + 1000.0 * f64::from(i)).collect();
-    let options = Options { stimuli_ms, ..Options::default() };
+    let options = CurveOptions { stimuli_ms, ..CurveOptions::default() };
     let analysis = analyse(&times, &values, Kind::Length, "um", &options).unwrap();
     assert_eq!(analysis.beats.len(), 6);
     for beat in &analysis.beats {
@@ -283,7 +284,7 @@ fn the_way_that_takes_least_of_a_curve_for_artefacts_is_that_of_its_beats() {
                 sign * (beats + drift - dip + 0.015 * random.normal())
             })
             .collect();
-        let found = analyse(&times, &values, Kind::Unknown, "", &Options::default()).unwrap();
+        let found = analyse(&times, &values, Kind::Unknown, "", &CurveOptions::default()).unwrap();
         assert_eq!(found.treatment.rises, sign > 0.0, "{sign}");
         assert_eq!(found.beats.len(), 5, "{sign}: {:?}", found.remarks);
     }
@@ -302,7 +303,7 @@ fn a_beat_of_twice_the_area_of_few_others_is_named_and_counts_in_no_mean() {
                 if beat == 2.0 { half_sine((t - 800.0) / area) } else { half_sine(t - 800.0) }
             })
             .collect();
-        let found = analyse(&times, &values, Kind::Unknown, "", &Options::default()).unwrap();
+        let found = analyse(&times, &values, Kind::Unknown, "", &CurveOptions::default()).unwrap();
         assert_eq!(found.beats.len(), 5);
         let unlike = found.beats.iter().filter(|beat| beat.state == State::Disturbed).count();
         assert_eq!(unlike, odd, "{area}: {:?}", found.remarks);
@@ -318,7 +319,7 @@ fn alternans_early_beats_and_irregular_ones_are_named() {
         let mut random = Noise::new(3);
         let values = times.iter().map(|t| height(*t) + 0.02 * random.normal());
         let values: Vec<f64> = values.collect();
-        analyse(&times, &values, Kind::Contraction, "a.u.", &Options::default()).unwrap()
+        analyse(&times, &values, Kind::Contraction, "a.u.", &CurveOptions::default()).unwrap()
     };
     let place = |t: f64| ((t - 250.0) / 1000.0).floor();
     let alternans = noisy(&|t| {
@@ -347,14 +348,15 @@ fn recordings_that_begin_or_end_within_a_beat_say_so_and_keep_the_rest() {
     // Begins at a peak, ends 50 ms before one is over.
     let last = times.partition_point(|time| *time < 3100.0);
     let analysis =
-        analyse(&times[..last], &values[..last], Kind::Length, "um", &Options::default()).unwrap();
+        analyse(&times[..last], &values[..last], Kind::Length, "um", &CurveOptions::default())
+            .unwrap();
     let states: Vec<State> = analysis.beats.iter().map(|beat| beat.state).collect();
     assert_eq!(states, [State::Whole, State::Whole, State::CutAtEnd]);
     assert!((analysis.mean("peak_shortening").unwrap() - 10.0).abs() < 0.01);
     // Begins 50 ms before its peak.
     let first = times.partition_point(|time| *time < 900.0);
     let (times, values) = (&times[first..last], &values[first..last]);
-    let analysis = analyse(times, values, Kind::Length, "um", &Options::default()).unwrap();
+    let analysis = analyse(times, values, Kind::Length, "um", &CurveOptions::default()).unwrap();
     assert_eq!(analysis.beats[0].state, State::CutAtStart);
     assert!((analysis.mean("peak_shortening").unwrap() - 10.0).abs() < 0.01);
 }
@@ -370,14 +372,15 @@ fn bad_frames_hum_and_curves_upside_down_are_seen() {
         .collect();
     values[700] = 140.0;
     values[1500] = 60.0;
-    let analysis = analyse(&times, &values, Kind::Length, "um", &Options::default()).unwrap();
+    let analysis = analyse(&times, &values, Kind::Length, "um", &CurveOptions::default()).unwrap();
     assert_eq!(analysis.treatment.bad_frames, [701, 1501]);
     assert!((analysis.treatment.hum.unwrap()[1] - 0.5).abs() < 0.05);
     assert_eq!(analysis.beats.len(), 5);
     assert!((analysis.mean("peak_shortening").unwrap() - 10.0).abs() < 0.1);
-    let unknown = analyse(&times, &values, Kind::Unknown, "a.u.", &Options::default()).unwrap();
+    let unknown =
+        analyse(&times, &values, Kind::Unknown, "a.u.", &CurveOptions::default()).unwrap();
     assert!(!unknown.treatment.rises);
-    let wrong = analyse(&times, &values, Kind::Contraction, "a.u.", &Options::default());
+    let wrong = analyse(&times, &values, Kind::Contraction, "a.u.", &CurveOptions::default());
     let said = match wrong {
         Ok(analysis) => analysis.remarks.join("; "),
         Err(error) => error.to_string(),
@@ -389,7 +392,7 @@ fn bad_frames_hum_and_curves_upside_down_are_seen() {
 fn curves_without_a_beat_say_why() {
     let times = frames(50.0, 10.0);
     let of = |values: &[f64]| {
-        analyse(&times[..values.len()], values, Kind::Length, "um", &Options::default())
+        analyse(&times[..values.len()], values, Kind::Length, "um", &CurveOptions::default())
             .map_or_else(
                 |error| error.to_string(),
                 |analysis| panic!("{} beats", analysis.beats.len()),
@@ -413,7 +416,8 @@ fn curves_without_a_beat_say_why() {
     let fast: Vec<f64> = frames(250.0, 10.0).iter().map(|t| t / 120.0).collect();
     let beats: Vec<f64> =
         frames(250.0, 10.0).iter().map(|t| half_sine((t - 250.0).rem_euclid(1000.0))).collect();
-    let analysis = analyse(&fast, &beats, Kind::Contraction, "a.u.", &Options::default()).unwrap();
+    let analysis =
+        analyse(&fast, &beats, Kind::Contraction, "a.u.", &CurveOptions::default()).unwrap();
     assert!(analysis.remarks.iter().any(|remark| remark.contains("is the frame rate")));
 }
 
@@ -434,7 +438,8 @@ fn upstrokes_of_spontaneous_cells_have_their_slope_diastolic_potential_and_cycle
         let mut random = Noise::new(rate as u64);
         let values: Vec<f64> =
             times.iter().map(|t| spontaneous(*t) + noise * random.normal()).collect();
-        let found = analyse(&times, &values, Kind::Potential, "mV", &Options::default()).unwrap();
+        let found =
+            analyse(&times, &values, Kind::Potential, "mV", &CurveOptions::default()).unwrap();
         let name = format!("{rate} /s, noise {noise} mV: {:?}", found.treatment.rates);
         assert!(found.beats.len() >= 3, "{name}");
         let mean = |metric: &str| found.mean(metric).unwrap_or_else(|| panic!("{name}: {metric}"));
@@ -450,7 +455,7 @@ fn upstrokes_of_spontaneous_cells_have_their_slope_diastolic_potential_and_cycle
     // Stimuli make them unnecessary.
     let times = frames(1000.0, 3.0);
     let values: Vec<f64> = times.iter().map(|t| spontaneous(*t)).collect();
-    let options = Options { stimuli_ms: vec![590.0, 1390.0], ..Options::default() };
+    let options = CurveOptions { stimuli_ms: vec![590.0, 1390.0], ..CurveOptions::default() };
     let paced = analyse(&times, &values, Kind::Potential, "mV", &options).unwrap();
     assert_eq!(paced.mean("cycle_length"), None);
 }
@@ -462,7 +467,7 @@ fn an_upstroke_that_the_sampling_is_too_slow_for_is_said() {
         .iter()
         .map(|t| if t.rem_euclid(1000.0) < 300.0 { 30.0 } else { -80.0 } + 0.001 * (t % 7.0))
         .collect();
-    let found = analyse(&times, &values, Kind::Potential, "mV", &Options::default()).unwrap();
+    let found = analyse(&times, &values, Kind::Potential, "mV", &CurveOptions::default()).unwrap();
     let said = found.remarks.join(" ");
     assert!(said.contains("at least the given value; record at 2 kHz"), "{said}");
 }

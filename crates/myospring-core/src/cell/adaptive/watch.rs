@@ -3,16 +3,16 @@
 use super::branch::State;
 use super::lanes::{Lanes, repolarised};
 use super::piece::{Piece, root};
-use crate::cell::beat::Beat;
+use crate::cell::beat::CellBeat;
 use crate::cell::pacing::same_instant;
 
 /// Records the beats and samples of one cell; its lane keeps the running maxima.
 #[derive(Debug, Clone, Default)]
 pub(in crate::cell) struct Watch {
-    beat: Option<Beat>,
+    beat: Option<CellBeat>,
     /// Highest `u` when the end of the action potential was detected.
     top_at_end: Option<f64>,
-    pub(in crate::cell) beats: Vec<Beat>,
+    pub(in crate::cell) beats: Vec<CellBeat>,
     sample_interval_ms: Option<f64>,
     pub(in crate::cell) samples: Vec<State>,
 }
@@ -45,7 +45,7 @@ impl Watch {
     ) {
         self.end_beat(lanes, lane);
         self.reset(lanes, lane, state);
-        self.beat = Some(Beat {
+        self.beat = Some(CellBeat {
             stimulus_ms: lanes.time[lane],
             resting_potential: state[0],
             peak_potential: state[0],
@@ -59,7 +59,7 @@ impl Watch {
     pub(super) fn end_beat<const N: usize>(&mut self, lanes: &Lanes<N>, lane: usize) {
         if let Some(beat) = self.beat.take() {
             let top = lanes.top_u[lane];
-            self.beats.push(Beat {
+            self.beats.push(CellBeat {
                 peak_potential: top,
                 peak_tension: lanes.top_ta[lane],
                 peak_tension_ms: lanes.top_ta_time[lane],

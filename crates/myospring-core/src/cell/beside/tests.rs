@@ -3,14 +3,14 @@ use crate::cell::batch::{run, run_while};
 use crate::cell::description::Input;
 use crate::cell::integrator::Steps;
 use crate::cell::pacing::{Protocol, Stimulus};
-use crate::cell::settings::Settings;
+use crate::cell::settings::SolverSettings;
 use crate::cell::tomek_2019::Layer;
 use std::sync::Arc;
 
 const SETTINGS: BatchSettings = every(1e-3, 1.7);
 
 const fn every(tolerance: f64, interval_ms: f64) -> BatchSettings {
-    let method = Settings { tolerance, ..Settings::of(Method::Stiff) };
+    let method = SolverSettings { tolerance, ..SolverSettings::of(CellMethod::Stiff) };
     BatchSettings { method, sample_interval_ms: Some(interval_ms) }
 }
 

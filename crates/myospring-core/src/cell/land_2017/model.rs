@@ -8,7 +8,7 @@ use crate::cell::description::{
     Input, ModelError, Output, StateVariable, Stimulation, TensionKind,
 };
 use crate::cell::pacing::Stimulus;
-use crate::cell::settings::{Method, Settings};
+use crate::cell::settings::{CellMethod, SolverSettings};
 use crate::parameter::ParameterSet;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -34,9 +34,9 @@ static OUTPUTS: [Output; 1] = [Output {
 /// # Example
 /// ```
 /// use myospring::cell::land_2017::Land2017;
-/// use myospring::cell::solve::{self, Settings};
+/// use myospring::cell::solve::{self, SolverSettings};
 /// // Held at resting length.
-/// let beat = solve::reference_beat(&Land2017::published(), Settings::default())?;
+/// let beat = solve::reference_beat(&Land2017::published(), SolverSettings::default())?;
 /// assert!((20.0..30.0).contains(&beat.peak_tension)); // kPa
 /// # Ok::<(), myospring::cell::solve::SolveError>(())
 /// ```
@@ -208,8 +208,8 @@ impl CellModel for Land2017 {
         true
     }
 
-    fn usual_settings(&self) -> Settings {
+    fn usual_settings(&self) -> SolverSettings {
         // Its fastest rate is below 1 per ms, and its equations do not jump.
-        Settings { step_ms: 0.05, ..Settings::of(Method::RungeKutta4) }
+        SolverSettings { step_ms: 0.05, ..SolverSettings::of(CellMethod::RungeKutta4) }
     }
 }

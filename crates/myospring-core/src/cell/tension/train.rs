@@ -11,7 +11,7 @@ use super::step::{Rates, State, Step, Whole};
 use crate::cell::CellModel;
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
-use crate::cell::solve::{Method, Settings, SolveError};
+use crate::cell::solve::{CellMethod, SolveError, SolverSettings};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -79,9 +79,10 @@ impl Potential {
             cycle_length_ms: cycle_ms,
             ..protocol
         };
-        let usual =
-            cell.adaptive().map_or(cell.usual_settings(), |_| Settings::of(Method::Adaptive));
-        let settings = Settings { tolerance: TOLERANCE, ..usual };
+        let usual = cell
+            .adaptive()
+            .map_or(cell.usual_settings(), |_| SolverSettings::of(CellMethod::Adaptive));
+        let settings = SolverSettings { tolerance: TOLERANCE, ..usual };
         let mut moving = CellIntegrator::new(Arc::clone(cell), train, settings)?;
         let mut all = Vec::with_capacity(beats);
         for beat in before..before + beats {
@@ -436,9 +437,14 @@ mod tests {
             ..Protocol::once(model.default_stimulus())
         };
         let lasts = 500.0 * beats as f64;
-        let whole =
-            adaptive::solve(&model, protocol, adaptive::Settings { tolerance: 1e-7 }, lasts, 1.0)
-                .unwrap();
+        let whole = adaptive::solve(
+            &model,
+            protocol,
+            adaptive::AdaptiveSettings { tolerance: 1e-7 },
+            lasts,
+            1.0,
+        )
+        .unwrap();
         // From the second of the three beats on: what was before the first is not known to the fit.
         let skipped = 500 * (BEFORE + 1);
         let late: Vec<f64> =

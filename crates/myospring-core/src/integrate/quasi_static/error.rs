@@ -4,7 +4,7 @@ use crate::interruption::Interrupted;
 
 /// Where a cell gives way: the node that moves most in its softest deformation at the end of the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct WeakPlace {
     /// The node.
     pub node: usize,
     /// Its x at the last equilibrium, um.
@@ -13,8 +13,8 @@ pub struct Place {
     pub y: f64,
 }
 
-fn words(place: Option<&Place>) -> String {
-    place.map_or_else(String::new, |Place { node, x, y }| {
+fn words(place: Option<&WeakPlace>) -> String {
+    place.map_or_else(String::new, |WeakPlace { node, x, y }| {
         format!(" near x = {x:.1} um, y = {y:.1} um (node {node})")
     })
 }
@@ -79,7 +79,7 @@ pub enum PathError {
         /// A tension without, kPa.
         beyond: f64,
         /// Where the cell gives way.
-        place: Option<Place>,
+        place: Option<WeakPlace>,
     },
     /// No equilibrium was found.
     #[error(
@@ -93,7 +93,7 @@ pub enum PathError {
         /// The tension tried, kPa.
         beyond: f64,
         /// Where the cell gives way.
-        place: Option<Place>,
+        place: Option<WeakPlace>,
     },
     /// The matrix does not fit into memory.
     #[error(

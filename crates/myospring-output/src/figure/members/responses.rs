@@ -23,7 +23,7 @@ const BAR: [f64; 2] = [8.0, 7.0];
 
 /// One metric over one parameter.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Response {
+pub struct MemberResponse {
     /// The parameter, with its unit.
     pub parameter: String,
     /// The metric, with its unit.
@@ -69,13 +69,13 @@ fn bottom(panels: usize) -> f64 {
 ///
 /// # Errors
 /// No curve, or none with a finite number.
-pub fn responses(curves: &[Response]) -> Result<Figure, FigureError> {
-    let finite = |one: &&Response| one.points.iter().any(|point| point[1].is_finite());
-    let curves: Vec<&Response> = curves.iter().filter(finite).collect();
+pub fn responses(curves: &[MemberResponse]) -> Result<Figure, FigureError> {
+    let finite = |one: &&MemberResponse| one.points.iter().any(|point| point[1].is_finite());
+    let curves: Vec<&MemberResponse> = curves.iter().filter(finite).collect();
     if curves.is_empty() {
         return Err(FigureError::Nothing { what: "response curves with finite numbers" });
     }
-    let chart = |one: &&Response| {
+    let chart = |one: &&MemberResponse| {
         let same = curves.iter().filter(|other| other.metric == one.metric);
         let values = same.clone().flat_map(|one| &one.points).map(|point| point[1]);
         let range = ends(values.chain(same.filter_map(|one| one.band).flatten()));

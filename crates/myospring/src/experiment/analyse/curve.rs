@@ -1,7 +1,7 @@
 //! A curve whose beats were looked for.
 
 use crate::analysis::curve::{self, Analysis};
-use crate::experiment::beats::Beats;
+use crate::experiment::beats::BeatOptions;
 use crate::measured::Curve;
 use std::path::Path;
 
@@ -17,7 +17,7 @@ pub struct AnalysedCurve {
 }
 
 impl AnalysedCurve {
-    pub(super) fn of(file: &str, curve: Curve, beats: &Beats) -> Self {
+    pub(super) fn of(file: &str, curve: Curve, beats: &BeatOptions) -> Self {
         let options = beats.within(&curve);
         let found =
             curve::analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options);

@@ -6,8 +6,8 @@ use crate::analysis::curve::{Analysis, CurveBeat, State};
 use crate::experiment::legible::number;
 use crate::output::figure::Measured;
 use crate::output::page::{
-    self, Answer, Cell, Chart, Column, Look, Mark, Page, PageError, Part, Quality, Row, Section,
-    Table, Tile, metric_words,
+    self, Answer, Chart, Column, Look, Page, PageError, Part, Quality, Row, Section, Table,
+    TableCell, Tile, VerdictMark, metric_words,
 };
 use std::collections::BTreeSet;
 
@@ -160,9 +160,9 @@ fn key<'a>(means: &'a [Mean], names: &[&str]) -> Option<&'a Mean> {
     means.iter().find(|mean| names.contains(&mean.name) && mean.mean.is_some())
 }
 
-fn cell(mean: &Mean) -> Cell {
+fn cell(mean: &Mean) -> TableCell {
     let unit = mean.unit.to_owned();
-    Cell { spread: mean.standard_deviation, unit, ..Cell::number(mean.mean) }
+    TableCell { spread: mean.standard_deviation, unit, ..TableCell::number(mean.mean) }
 }
 
 fn tiles(analysis: &Analysis) -> Part<'static> {
@@ -171,10 +171,10 @@ fn tiles(analysis: &Analysis) -> Part<'static> {
         definition: mean.definition.to_owned(),
         lines: mean
             .standard_deviation
-            .map(|sd| Cell::text(format!("\u{b1} {} {}", number(sd), mean.unit)))
+            .map(|sd| TableCell::text(format!("\u{b1} {} {}", number(sd), mean.unit)))
             .into_iter()
             .collect(),
-        ..Tile::new(metric_words(mean.name), Cell { spread: None, ..cell(mean) })
+        ..Tile::new(metric_words(mean.name), TableCell { spread: None, ..cell(mean) })
     };
     Part::Tiles(KEY.iter().filter_map(|(_, names)| key(&means, names)).map(tile).collect())
 }
@@ -185,21 +185,25 @@ fn by_curve(all: &[AnalysedCurve], several: bool) -> Table {
         vec![Column::text("curve"), Column::text("kind"), Column::number("beats that count", "")];
     columns.extend(KEY.iter().map(|(words, _)| Column::of("number", words)));
     let row = |read: &AnalysedCurve| {
-        let mut cells =
-            vec![Cell::text(name(read, several)), Cell::text(read.curve.kind.to_string())];
+        let mut cells = vec![
+            TableCell::text(name(read, several)),
+            TableCell::text(read.curve.kind.to_string()),
+        ];
         match &read.found {
             Err(why) => {
-                let none = Mark::new(false, "no beat");
-                cells.push(Cell { note: why.clone(), ..Cell::text("") }.marked(Some(none)));
-                cells.extend(KEY.iter().map(|_| Cell::text("")));
+                let none = VerdictMark::new(false, "no beat");
+                cells.push(
+                    TableCell { note: why.clone(), ..TableCell::text("") }.marked(Some(none)),
+                );
+                cells.extend(KEY.iter().map(|_| TableCell::text("")));
             }
             Ok(analysis) => {
                 let means = means(analysis);
-                cells.push(Cell::number(Some(analysis.counted().len() as f64)));
-                cells.extend(
-                    KEY.iter()
-                        .map(|(_, names)| key(&means, names).map_or_else(Cell::default, cell)),
-                );
+                cells.push(TableCell::number(Some(analysis.counted().len() as f64)));
+                cells
+                    .extend(KEY.iter().map(|(_, names)| {
+                        key(&means, names).map_or_else(TableCell::default, cell)
+                    }));
             }
         }
         Row { cells, marked: read.found.is_err() }
@@ -268,12 +272,12 @@ fn numbers(found: &[Found<'_>]) -> Section<'static> {
             let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let note = mean.missing.map_or_else(String::new, |why| why.words().to_owned());
             Row::from(vec![
-                Cell::term(metric_words(mean.name), mean.definition),
-                Cell { unit: String::new(), note, ..cell(&mean) },
-                Cell::text(mean.unit),
-                Cell::number(Some(low)),
-                Cell::number(Some(high)),
-                Cell::number(Some(mean.beats as f64)),
+                TableCell::term(metric_words(mean.name), mean.definition),
+                TableCell { unit: String::new(), note, ..cell(&mean) },
+                TableCell::text(mean.unit),
+                TableCell::number(Some(low)),
+                TableCell::number(Some(high)),
+                TableCell::number(Some(mean.beats as f64)),
             ])
         };
         Part::Table(Table {
@@ -308,10 +312,11 @@ fn beats(found: &[Found<'_>]) -> Section<'static> {
         }));
         let row = |beat: &CurveBeat| {
             let counts = matches!(beat.state, State::Whole | State::CutAtEnd);
-            let state = Cell { note: beat.remarks.join("; "), ..Cell::text(beat.state.words()) };
-            let mut cells = vec![Cell::text(beat.number.to_string()), state];
+            let state =
+                TableCell { note: beat.remarks.join("; "), ..TableCell::text(beat.state.words()) };
+            let mut cells = vec![TableCell::text(beat.number.to_string()), state];
             let value =
-                |mean: &Mean| Cell::number(crate::analysis::value(&beat.metrics, mean.name));
+                |mean: &Mean| TableCell::number(crate::analysis::value(&beat.metrics, mean.name));
             cells.extend(means.iter().map(value));
             Row { cells, marked: !counts }
         };

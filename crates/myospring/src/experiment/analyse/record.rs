@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// All numbers of an analysis: `summary.json`.
 #[derive(Serialize)]
-pub struct Record<'a> {
+pub struct AnalysisRecord<'a> {
     version: &'static str,
     notes: &'a [String],
     curves: Vec<CurveRecord<'a>>,
@@ -79,7 +79,7 @@ pub fn means(analysis: &Analysis) -> Vec<Mean> {
     means
 }
 
-impl<'a> Record<'a> {
+impl<'a> AnalysisRecord<'a> {
     pub(super) fn of(all: &'a [AnalysedCurve], notes: &'a [String]) -> Self {
         let curves = all.iter().map(|read| {
             let found = read.found.as_ref();

@@ -1,12 +1,12 @@
 //! What a batch keeps beside its table: overlays, and curves and figures of each cell.
 
-use crate::experiment::run::{Finished, Numbers, Style, resolved, write_figures, write_numbers};
+use crate::experiment::run::{Finished, RunNumbers, Style, resolved, write_figures, write_numbers};
 use crate::experiment::{Files, Folder, Inputs, Observer, overlay};
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::output::files::Manifest;
 use crate::output::page::Photograph;
 use crate::study::Cause;
-use crate::study::pictures::{Beaten, Keeper, Picture};
+use crate::study::pictures::{Keeper, Picture, SimulatedCell};
 use std::path::{Component, Path};
 
 const OVERLAYS: &str = "overlays";
@@ -53,15 +53,24 @@ impl Keeper for Kept<'_> {
         Ok(())
     }
 
-    fn beaten(&self, beaten: &Beaten<'_>) -> Result<(), Cause> {
+    fn beaten(&self, beaten: &SimulatedCell<'_>) -> Result<(), Cause> {
         let Some(manifest) = self.manifest.filter(|_| self.figures) else { return Ok(()) };
-        let Beaten { picture, cell, run, simulation, outline, fibres, finished, summary, .. } =
-            beaten;
+        let SimulatedCell {
+            picture,
+            cell,
+            run,
+            simulation,
+            outline,
+            fibres,
+            finished,
+            summary,
+            ..
+        } = beaten;
         let name = format!("{}_{}", own(&picture.name), cell.replace('/', "_"));
         let place = format!("{CELLS}/{name}");
         let folder = Folder::claim_part(manifest.part(&place), self.files)?;
         let numbers =
-            Numbers { summary, fibres: Some(fibres.report()), integration: finished.effort };
+            RunNumbers { summary, fibres: Some(fibres.report()), integration: finished.effort };
         let stimuli = run.stimulus_times();
         write_numbers(&folder, run, simulation, fibres, finished, &numbers)?;
         // Pictures stay where they are, and the run file names them as seen from its folder.

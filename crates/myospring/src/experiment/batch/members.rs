@@ -1,11 +1,11 @@
 //! Which pictures a batch works on: those of a folder, or those of a table with the settings of each.
 
-use crate::experiment::input::{self, Given};
+use crate::experiment::input::{self, ChosenSetting};
 use crate::experiment::{ExperimentError, Files};
 use crate::interruption::Interruption;
 use crate::run_file::Origin;
 use crate::settings::{PICTURE_ENDINGS, Run};
-use crate::study::pictures::{self, Picture, Which, read_table};
+use crate::study::pictures::{self, ChosenCell, Picture, read_table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -203,17 +203,17 @@ fn name(folder: &Path, picture: &Path) -> String {
 /// The run of a picture: its own settings override those of all.
 pub(super) fn settled(
     table: Option<&Path>,
-    settings: &[Given],
+    settings: &[ChosenSetting],
     picture: &Picture,
     files: &Files,
     interruption: &Interruption,
 ) -> Result<Run, ExperimentError> {
     let file = table.unwrap_or(Path::new("")).display().to_string();
     let own = picture.given.iter().filter(|given| !is_every(given)).map(|given| {
-        let pictures::Given { key, value, line, column } = given.clone();
+        let pictures::TableSetting { key, value, line, column } = given.clone();
         (Origin::Table { file: file.clone(), line, column }, key, value)
     });
-    let mut settings: Vec<Given> =
+    let mut settings: Vec<ChosenSetting> =
         settings.iter().filter(|given| !input::is_all_cells(given)).cloned().collect();
     if picture.given.iter().any(is_every) {
         settings.retain(|(setting, _)| !CHOICES.contains(&setting.key));
@@ -222,17 +222,17 @@ pub(super) fn settled(
 }
 
 /// All cells unless the picture's settings or those of all name one.
-pub(super) fn which(settings: &[Given], picture: &Picture) -> Which {
+pub(super) fn which(settings: &[ChosenSetting], picture: &Picture) -> ChosenCell {
     if picture.given.iter().any(is_every) {
-        return Which::Every;
+        return ChosenCell::Every;
     }
     let own = picture.given.iter().any(|given| CHOICES.contains(&given.key));
     let named = settings.iter().any(|(setting, _)| CHOICES.contains(&setting.key));
     let all = settings.iter().any(input::is_all_cells);
-    if own || named && !all { Which::Chosen } else { Which::Every }
+    if own || named && !all { ChosenCell::Chosen } else { ChosenCell::Every }
 }
 
-fn is_every(given: &pictures::Given) -> bool {
+fn is_every(given: &pictures::TableSetting) -> bool {
     given.key == "segmentation.cell" && given.value.as_text() == Some("all")
 }
 

@@ -1,7 +1,8 @@
 //! `report.html` of a batch: every cell, small, and the table of all numbers.
 
 use crate::output::page::{
-    self, Answer, Cell, Mark, Page, PageError, Part, Quality, Section, Table, Thumbnail, Tile,
+    self, Answer, Page, PageError, Part, Quality, Section, Table, TableCell, Thumbnail, Tile,
+    VerdictMark,
 };
 use crate::study::pictures::CellRow;
 use crate::study::{Row as _, Status};
@@ -111,8 +112,8 @@ fn tiles(rows: &[CellRow]) -> Vec<Tile> {
         let mut values = Data::new(values);
         let [low, middle, high] =
             [values.lower_quartile(), values.median(), values.upper_quartile()];
-        let cell = Cell { unit: (*unit).to_owned(), ..Cell::number(Some(middle)) };
-        let range = Cell::text(format!("{low:.2} to {high:.2} {unit}"));
+        let cell = TableCell { unit: (*unit).to_owned(), ..TableCell::number(Some(middle)) };
+        let range = TableCell::text(format!("{low:.2} to {high:.2} {unit}"));
         Some(Tile { lines: vec![range], ..Tile::new(*words, cell) })
     };
     KEY.iter().filter_map(tile).collect()
@@ -135,8 +136,8 @@ fn gallery(rows: &[CellRow], small: impl Fn(&CellRow) -> Option<Vec<u8>>) -> Sec
                 let words = shortening.map(|value| format!("shortens by {value:.1} %"));
                 (words.unwrap_or_default(), None)
             }
-            Status::LeftOut => (row.reason.clone(), Some(Mark::new(false, "left out"))),
-            Status::Failed => (row.reason.clone(), Some(Mark::new(false, "failed"))),
+            Status::LeftOut => (row.reason.clone(), Some(VerdictMark::new(false, "left out"))),
+            Status::Failed => (row.reason.clone(), Some(VerdictMark::new(false, "failed"))),
         };
         let name = format!("{}, cell {cell}", row.picture);
         let thumbnail = Thumbnail::new(&name, &words, mark, &png);

@@ -3,7 +3,7 @@
 use super::side::{RUN_FILE, Side, check_folder, of_folder};
 use crate::compare::dose::{self, Dose};
 use crate::compare::factor::{self, Factor, Scaled};
-use crate::experiment::input::{self, Given, Input};
+use crate::experiment::input::{self, ChosenSetting, Input};
 use crate::experiment::inputs::{Inputs, LARGEST_COPY};
 use crate::experiment::{ExperimentError, Files, Observer};
 use crate::interruption::Interruption;
@@ -22,7 +22,7 @@ pub struct Compare {
     /// What is compared; the built-in cell without any.
     pub inputs: Vec<Source>,
     /// Settings that override those of the inputs.
-    pub settings: Vec<Given>,
+    pub settings: Vec<ChosenSetting>,
     /// Sets of factors on numbers of each run.
     pub scale: Vec<Dose>,
     /// Doses of drugs, which are factors, too.
@@ -52,7 +52,7 @@ pub(super) struct Job {
 #[derive(Clone)]
 enum What {
     /// A run file, a picture or an outline, the built-in cell without one; and what overrides its settings.
-    Path(Option<PathBuf>, Vec<Given>),
+    Path(Option<PathBuf>, Vec<ChosenSetting>),
     /// A folder of results.
     Results(PathBuf),
     /// A run that is there.

@@ -10,12 +10,12 @@ use crate::mesh::Mesh;
 use crate::mesh::carried::Carried;
 use crate::mesh::outline::Outline;
 use crate::mesh::quality::MeshReport;
-use crate::output::figure::{Compared, key_shapes};
+use crate::output::figure::{ComparedRun, key_shapes};
 use crate::output::files::{MANIFEST, Manifest};
 use crate::output::{csv, frames};
 use crate::recording::{Frame, Recording};
 use crate::run_file::RunFile;
-use crate::settings::{Made, Run};
+use crate::settings::{MeshedRun, Run};
 use crate::simulation::Outcome as Simulated;
 use crate::study::sha256;
 use std::path::Path;
@@ -75,7 +75,7 @@ impl Side {
         label: String,
         source: String,
         run: &Run,
-        made: &Made,
+        made: &MeshedRun,
         outcome: &Simulated,
         shape_sha256: String,
     ) -> Result<Self, ExperimentError> {
@@ -112,9 +112,9 @@ impl Side {
         Some(setting::shown(Some(text.trim_end())))
     }
 
-    pub(super) fn drawn(&self) -> Compared<'_> {
+    pub(super) fn drawn(&self) -> ComparedRun<'_> {
         let cell = self.cell.as_ref().map(|shapes| shapes.each_ref().map(Vec::as_slice));
-        Compared { label: &self.label, recording: &self.recording, cell }
+        ComparedRun { label: &self.label, recording: &self.recording, cell }
     }
 }
 
@@ -202,7 +202,7 @@ pub(super) fn of_folder(
             recording.frames = kept.frames;
             // Meshed again, where what it was made of is still there and gives the same.
             let (_, again) = settled()?;
-            let same = |made: &Made| made.simulation.mesh.points == kept.mesh.points;
+            let same = |made: &MeshedRun| made.simulation.mesh.points == kept.mesh.points;
             shown = meshed(&again, files).filter(same).map(|made| Shown::of(again, &made));
             outline_of(kept.rings)
                 .and_then(|outline| shapes(&kept.mesh, &outline, &recording, &stimuli))
@@ -265,8 +265,8 @@ fn read(path: &Path) -> Result<String, ExperimentError> {
 }
 
 impl Shown {
-    fn of(run: Run, made: &Made) -> Self {
-        let Made { simulation, report, outline, .. } = made;
+    fn of(run: Run, made: &MeshedRun) -> Self {
+        let MeshedRun { simulation, report, outline, .. } = made;
         Self {
             run,
             mesh: simulation.mesh.clone(),
@@ -279,13 +279,13 @@ impl Shown {
 }
 
 /// A run on its mesh, where what it is made of is there.
-fn meshed(run: &Run, files: &Files) -> Option<Made> {
+fn meshed(run: &Run, files: &Files) -> Option<MeshedRun> {
     let shaped = run.shape.mesh(&run.shape.bytes(|file| files.bytes(file)).ok()?).ok()?;
     run.make(shaped, |file| files.bytes(file)).ok()
 }
 
 /// The frames that a run has kept, where it has.
-fn frames_of(folder: &Path, files: &Files) -> Option<frames::Kept> {
+fn frames_of(folder: &Path, files: &Files) -> Option<frames::SavedFrames> {
     frames::read(&files.bytes(folder.join(FRAMES)).ok()?).ok()?
 }
 

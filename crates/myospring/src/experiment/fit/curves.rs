@@ -1,9 +1,9 @@
 //! The curves that cells are fitted to.
 
 use crate::experiment::tables::tables;
-use crate::experiment::{Beats, ExperimentError, Files};
+use crate::experiment::{BeatOptions, ExperimentError, Files};
 use crate::fit::{FitError, Loaded, Observed, of_each_cell};
-use crate::measured::{Curve, Options, Table};
+use crate::measured::{Curve, Table, TableOptions};
 use crate::mechanics::support::SupportKind;
 use crate::settings::{self, Setting};
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub(super) type Named = (String, Result<Curve, ExperimentError>);
 
 /// The curves of a table that are fitted, one of each cell, and what was assumed of it.
-pub fn of_table(table: Table, options: &Options) -> (Vec<Curve>, Vec<String>) {
+pub fn of_table(table: Table, options: &TableOptions) -> (Vec<Curve>, Vec<String>) {
     let Table { curves, mut notes, .. } = table;
     if !options.values.is_empty() || options.kind.is_some() {
         return (curves, notes);
@@ -26,7 +26,7 @@ pub fn of_table(table: Table, options: &Options) -> (Vec<Curve>, Vec<String>) {
 /// cannot be fitted.
 pub(super) fn of_tables(
     paths: &[PathBuf],
-    options: &Options,
+    options: &TableOptions,
     files: &Files,
 ) -> Result<(Vec<Named>, Vec<String>), ExperimentError> {
     let paths = tables(paths)?;
@@ -62,18 +62,18 @@ pub(super) fn of_tables(
 
 /// A curve of the cell between two springs, such as carbon fibres.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Spring {
+pub struct EndSprings {
     /// Stiffness of each spring, nN/um.
     pub stiffness: f64,
     /// The table of the curve.
     pub path: PathBuf,
 }
 
-impl Spring {
+impl EndSprings {
     pub(super) fn read(
         &self,
-        options: &Options,
-        beats: &Beats,
+        options: &TableOptions,
+        beats: &BeatOptions,
         files: &Files,
     ) -> Result<Loaded, ExperimentError> {
         let table = files.table(&self.path, options)?;
@@ -96,7 +96,7 @@ impl Spring {
 pub fn between_springs(
     stiffness: f64,
     curve: &Curve,
-    beats: &Beats,
+    beats: &BeatOptions,
 ) -> Result<Loaded, ExperimentError> {
     let bounds = settings::find("mechanics.end_stiffness").and_then(Setting::bounds);
     if let Some(bounds) = bounds.filter(|bounds| !bounds.contains(stiffness)) {
@@ -114,7 +114,7 @@ pub fn between_springs(
 ///
 /// # Errors
 /// Those of [`Observed::of`].
-pub fn observed(curve: &Curve, beats: &Beats) -> Result<Observed, FitError> {
+pub fn observed(curve: &Curve, beats: &BeatOptions) -> Result<Observed, FitError> {
     let stimuli = beats.within(curve).stimuli_ms;
     Observed::of(curve, (!stimuli.is_empty()).then_some(stimuli.as_slice()))
 }

@@ -1,28 +1,28 @@
 //! What is fitted, to what, and how.
 
-use super::curves::Spring;
-use crate::experiment::Beats;
-use crate::experiment::input::Given;
+use super::curves::EndSprings;
+use crate::experiment::BeatOptions;
+use crate::experiment::input::ChosenSetting;
 use crate::experiment::refused::Place;
 use crate::fit::Sought;
-use crate::measured::Options;
+use crate::measured::TableOptions;
 use std::path::PathBuf;
 
 /// What is fitted, to what, and how.
 #[derive(Default)]
-pub struct Fit {
+pub struct FitCell {
     /// A picture, an outline or a run file of the cell; `None`: the cell of the film, or the built-in one.
     pub cell: Option<PathBuf>,
     /// Tables of curves and folders of them, each curve a cell; or one film. Without any `cell` is the film.
     pub to: Vec<PathBuf>,
     /// Settings, which override those of a run file.
-    pub settings: Vec<Given>,
+    pub settings: Vec<ChosenSetting>,
     /// How tables are read; of a film its frame rate, its curve (`values`) and the part that counts.
-    pub table: Options,
+    pub table: TableOptions,
     /// When the cell was stimulated.
-    pub beats: Beats,
+    pub beats: BeatOptions,
     /// Curves of the same cell between springs.
-    pub loaded: Vec<Spring>,
+    pub loaded: Vec<EndSprings>,
     /// What is sought.
     pub sought: Sought,
     /// Threads of the fits; `None` takes as many as there are cores.

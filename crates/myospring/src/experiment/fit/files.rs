@@ -34,7 +34,7 @@ pub(super) struct Record<'a> {
     shapes: Option<shapes::Record<'a>>,
     /// Of a film: where the cell pulls.
     #[serde(skip_serializing_if = "Option::is_none")]
-    tension_map: Option<tension_map::Record<'a>>,
+    tension_map: Option<tension_map::TensionMapRecord<'a>>,
     notes: &'a [String],
 }
 

@@ -1,14 +1,14 @@
 //! Fits to films: the cell is followed, and its stretch is the curve.
 
 use super::curves::Named;
-use super::description::Fit;
+use super::description::FitCell;
 use crate::analysis::kind::Kind;
 
-use crate::experiment::input::Given;
+use crate::experiment::input::ChosenSetting;
 use crate::experiment::tables::is_of_tables;
-use crate::experiment::track::{Followed, Report, Track};
+use crate::experiment::track::{Followed, Track, TrackReport};
 use crate::experiment::{ExperimentError, Files, Folder, Observer};
-use crate::measured::{Column, Curve, Options};
+use crate::measured::{Column, Curve, TableOptions};
 use crate::microscopy::outlines::{NamedOutline, write_geojson};
 use crate::output::track::{self as table, TrackRow};
 use crate::settings::{Run, Shaped, Source};
@@ -30,7 +30,7 @@ const COLUMNS: [(&str, Kind, &str, Read); 4] = [
 ];
 
 /// A film whose cell was followed.
-pub struct Film {
+pub struct FollowedFilm {
     /// The file or folder.
     pub path: PathBuf,
     /// The cell and its motion.
@@ -39,7 +39,7 @@ pub struct Film {
     warnings: Vec<String>,
 }
 
-impl Fit {
+impl FitCell {
     /// The film among what is fitted to, if it is one: the only file, or the only thing that was given.
     pub(super) fn film(&self) -> Result<Option<&Path>, ExperimentError> {
         let is_film = |path: &&PathBuf| !is_of_tables(path);
@@ -66,10 +66,10 @@ impl Fit {
     pub(super) fn follow(
         &self,
         path: &Path,
-        settings: &[Given],
+        settings: &[ChosenSetting],
         files: &Files,
         observer: &dyn Observer,
-    ) -> Result<Film, ExperimentError> {
+    ) -> Result<FollowedFilm, ExperimentError> {
         let track = Track {
             settings: settings.to_vec(),
             frame_rate: self.table.frame_rate_per_s,
@@ -78,19 +78,19 @@ impl Fit {
         };
         track.check(files)?;
         let followed = track.follow(files, observer)?;
-        let Report { rows, warnings, .. } = Report::of(path, &followed);
-        Ok(Film { path: path.to_owned(), rows, warnings, followed: Arc::new(followed) })
+        let TrackReport { rows, warnings, .. } = TrackReport::of(path, &followed);
+        Ok(FollowedFilm { path: path.to_owned(), rows, warnings, followed: Arc::new(followed) })
     }
 }
 
-impl Film {
+impl FollowedFilm {
     /// What a reader of its curve must know.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
     /// Its curve, the part that counts.
-    pub(super) fn named(&self, table: &Options) -> Result<Named, ExperimentError> {
+    pub(super) fn named(&self, table: &TableOptions) -> Result<Named, ExperimentError> {
         let curve = self.curve(&table.values)?;
         let curve = curve.part(table.from_ms, table.until_ms).map_err(ExperimentError::new)?;
         Ok((curve.name.clone(), Ok(curve)))

@@ -1,11 +1,11 @@
 //! What comes of fits, and what they work on.
 
 use super::curves::Named;
-use super::film::Film;
+use super::film::FollowedFilm;
 use super::shapes::Shapes;
 use crate::experiment::tension_map::FilmMap;
-use crate::experiment::{Beats, ExperimentError, Files, Inputs};
-use crate::fit::{Fitter, Loaded, Settings};
+use crate::experiment::{BeatOptions, ExperimentError, Files, Inputs};
+use crate::fit::{FitSettings, Fitter, Loaded};
 use crate::mesh::outline::Outline;
 use crate::mesh::quality::MeshReport;
 use crate::settings::Run;
@@ -17,8 +17,8 @@ pub(super) struct Work {
     pub(super) fitter: Fitter,
     pub(super) report: MeshReport,
     pub(super) outline: Outline,
-    pub(super) settings: Settings,
-    pub(super) beats: Beats,
+    pub(super) settings: FitSettings,
+    pub(super) beats: BeatOptions,
     pub(super) curves: Vec<Named>,
     pub(super) loaded: Vec<Loaded>,
     /// Whether the cell is that of the film.
@@ -42,7 +42,7 @@ pub struct Fits {
     /// A cell for each curve, in their order; fewer where the work was interrupted.
     pub cells: Vec<FittedCell>,
     /// The film that was followed.
-    pub film: Option<Film>,
+    pub film: Option<FollowedFilm>,
     /// Where the film's cell pulls.
     pub map: Option<FilmMap>,
     /// The film's cell and the fitted one at their peak.

@@ -7,10 +7,10 @@ use crate::experiment::run::parameters;
 use crate::experiment::{ExperimentError, citations};
 use crate::fit::{Estimate, Fit, FitVerdict, Unknown};
 use crate::output::field::Field;
-use crate::output::figure::{Figure, FigureError, FittedCurve};
+use crate::output::figure::{DrawnFit, Figure, FigureError};
 use crate::output::page::{
-    self, Answer, Cell as Entry, Chart, Drawing, Mark, Page, PageRun, Part, Quality, Runs, Section,
-    Tile,
+    self, Answer, Chart, Drawing, Page, PageRun, Part, Quality, Runs, Section, TableCell as Entry,
+    Tile, VerdictMark,
 };
 use crate::output::report::Summary;
 use crate::settings::Run;
@@ -81,7 +81,7 @@ fn numbers(fit: &Fit, model: &dyn CellModel) -> Section<'static> {
         // Of a model that does not fit the verdict says it.
         let has_interval = fit.verdict != FitVerdict::DoesNotFit && !interval.is_empty();
         let interval = has_interval.then(|| Entry::text(format!("95 %: {interval}")));
-        let mark = Mark::new(verdict == "determined", verdict);
+        let mark = VerdictMark::new(verdict == "determined", verdict);
         Tile {
             definition: meaning(estimate, model),
             lines: interval.into_iter().chain([Entry::text("").marked(Some(mark))]).collect(),
@@ -130,10 +130,10 @@ fn meaning(estimate: &Estimate, model: &dyn CellModel) -> String {
 }
 
 /// A curve whose first stimulus falls when that of the run does.
-fn from_stimulus(curve: FittedCurve, start: f64) -> FittedCurve {
+fn from_stimulus(curve: DrawnFit, start: f64) -> DrawnFit {
     let by = start - curve.stimuli_ms.first().copied().unwrap_or(start);
     let moved = |times: Vec<f64>| times.into_iter().map(|time| time + by).collect();
-    FittedCurve { times_ms: moved(curve.times_ms), stimuli_ms: moved(curve.stimuli_ms), ..curve }
+    DrawnFit { times_ms: moved(curve.times_ms), stimuli_ms: moved(curve.stimuli_ms), ..curve }
 }
 
 /// The figures of a film.

@@ -105,7 +105,7 @@ impl Shapes {
                 doubts: None,
             },
         ];
-        let cell = figure::Cell::new(fields, Some(&shaped.outline))?;
+        let cell = figure::DrawnCell::new(fields, Some(&shaped.outline))?;
         figure::maps(&cell, &maps, None)
     }
 

@@ -2,7 +2,7 @@
 
 use super::outcome::FittedCell;
 use crate::fit::{self, Estimate, Fit, FitVerdict};
-use crate::output::figure::{FittedCurve, LikelihoodProfile};
+use crate::output::figure::{DrawnFit, LikelihoodProfile};
 use crate::output::table::{Column, Table, column_name};
 
 /// Every frame of every curve.
@@ -98,7 +98,7 @@ fn micro(unit: &str) -> String {
     unit.replace("um", "\u{b5}m")
 }
 
-pub(super) fn drawn(fit: &Fit) -> Vec<FittedCurve> {
+pub(super) fn drawn(fit: &Fit) -> Vec<DrawnFit> {
     let one = |curve: &fit::FittedCurve| {
         let unit = micro(&curve.unit);
         let what = match curve.scale {
@@ -107,7 +107,7 @@ pub(super) fn drawn(fit: &Fit) -> Vec<FittedCurve> {
             fit::Scale::Arbitrary => "Contraction",
         };
         let label = if unit.is_empty() { what.to_owned() } else { format!("{what} ({unit})") };
-        FittedCurve {
+        DrawnFit {
             label,
             unit,
             times_ms: curve.times_ms.clone(),

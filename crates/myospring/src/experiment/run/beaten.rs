@@ -3,12 +3,12 @@
 use super::record::Timings;
 use crate::experiment::Files;
 use crate::output::report::Summary;
-use crate::settings::{FibreReport, Made, Run};
+use crate::settings::{FibreReport, MeshedRun, Run};
 use crate::simulation::{Effort, Outcome};
 use serde::Serialize;
 
 /// A cell that has beaten, to its end or until something stopped it.
-pub struct Beaten {
+pub struct FinishedRun {
     /// Name of the results, for people.
     pub name: String,
     /// What was asked for, with the fibres that were taken.
@@ -16,7 +16,7 @@ pub struct Beaten {
     /// Hash of the file that holds the shape.
     pub shape_sha256: String,
     /// The cell on its mesh at rest, with outline, fibres and picture.
-    pub made: Made,
+    pub made: MeshedRun,
     /// Curves and frames, and why it ended early, if it did.
     pub outcome: Outcome,
     /// The numbers of the run, with all warnings.
@@ -28,7 +28,7 @@ pub struct Beaten {
 
 /// The numbers of a run, as `summary.json` has them.
 #[derive(Serialize)]
-pub struct Numbers<'a> {
+pub struct RunNumbers<'a> {
     /// Metrics, beat by beat.
     #[serde(flatten)]
     pub summary: &'a Summary,
@@ -39,13 +39,13 @@ pub struct Numbers<'a> {
     pub integration: Effort,
 }
 
-impl Beaten {
+impl FinishedRun {
     /// A run that was made and has ended; `warnings` are all that there are, `files` reads those that it names.
     pub fn of(
         name: String,
         run: Run,
         shape_sha256: String,
-        made: Made,
+        made: MeshedRun,
         outcome: Outcome,
         warnings: Vec<String>,
         files: Files,
@@ -59,8 +59,8 @@ impl Beaten {
     }
 
     /// The numbers, as `summary.json` has them.
-    pub fn all_numbers(&self) -> Numbers<'_> {
+    pub fn all_numbers(&self) -> RunNumbers<'_> {
         let fibres = self.made.picture.is_some().then(|| self.made.fibres.report());
-        Numbers { summary: &self.summary, fibres, integration: self.outcome.effort }
+        RunNumbers { summary: &self.summary, fibres, integration: self.outcome.effort }
     }
 }

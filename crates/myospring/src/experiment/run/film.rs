@@ -2,7 +2,7 @@
 
 use super::finished::Finished;
 use crate::experiment::{ExperimentError, Folder};
-use crate::output::figure::{FRAMES_PER_SECOND, FigureError, Film};
+use crate::output::figure::{BeatFilm, FRAMES_PER_SECOND, FigureError};
 use rayon::prelude::*;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -16,12 +16,15 @@ const VIDEO_SCALE: f64 = 2.0;
 /// Draws the films of a run one after the other.
 fn each(
     finished: &Finished<'_>,
-    mut write: impl FnMut(&str, &Film<'_>) -> Result<(), ExperimentError>,
+    mut write: impl FnMut(&str, &BeatFilm<'_>) -> Result<(), ExperimentError>,
 ) -> Result<(), ExperimentError> {
     let cell = finished.cell()?;
     let recording = &finished.outcome.recording;
     for (name, slowed) in FILMS {
-        write(name, &Film::new(&cell, recording, finished.stimuli, slowed, finished.style.theme)?)?;
+        write(
+            name,
+            &BeatFilm::new(&cell, recording, finished.stimuli, slowed, finished.style.theme)?,
+        )?;
     }
     Ok(())
 }
@@ -50,7 +53,7 @@ pub(super) fn mp4(folder: &Folder, finished: &Finished<'_>) -> Result<(), Experi
 }
 
 /// Lets ffmpeg make a film at a path.
-fn encode(film: &Film<'_>, path: &Path) -> Result<(), ExperimentError> {
+fn encode(film: &BeatFilm<'_>, path: &Path) -> Result<(), ExperimentError> {
     let frames: Result<Vec<_>, FigureError> =
         (0..film.len()).into_par_iter().map(|index| film.pixels(index, VIDEO_SCALE)).collect();
     let frames = frames?;

@@ -1,11 +1,11 @@
 //! A run that is over, with all that its outputs are made from.
 
-use super::beaten::Numbers;
+use super::beaten::RunNumbers;
 use crate::experiment::{Inputs, Observer};
 use crate::mesh::outline::Outline;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::output::field::{Field, Fields};
-use crate::output::figure::{Cell, FigureError, Theme};
+use crate::output::figure::{DrawnCell, FigureError, Theme};
 use crate::settings::{Fibres, Run};
 use crate::simulation::{Outcome, Simulation};
 
@@ -31,7 +31,7 @@ pub(crate) struct Finished<'a> {
     /// The picture with its cells, and the one that beat.
     pub(crate) picture: Option<&'a (PictureCells, PictureCell)>,
     pub(crate) outcome: &'a Outcome,
-    pub(crate) numbers: &'a Numbers<'a>,
+    pub(crate) numbers: &'a RunNumbers<'a>,
     /// Times of the stimuli, ms.
     pub(crate) stimuli: &'a [f64],
     pub(crate) style: Style,
@@ -43,10 +43,10 @@ pub(crate) struct Finished<'a> {
 
 impl<'a> Finished<'a> {
     /// The cell as figures and films draw it, with one colour scale for the whole run.
-    pub(super) fn cell(&self) -> Result<Cell<'a>, FigureError> {
+    pub(super) fn cell(&self) -> Result<DrawnCell<'a>, FigureError> {
         let Simulation { mesh, fibres, myofibril_content, .. } = self.simulation;
         let fields = Fields::new(mesh, fibres, myofibril_content.as_deref())?;
-        let cell = Cell::new(fields, Some(self.outline))?.coloured_by(self.style.colour);
+        let cell = DrawnCell::new(fields, Some(self.outline))?.coloured_by(self.style.colour);
         Ok(cell.scaled_to(&self.outcome.recording.frames))
     }
 }

@@ -1,19 +1,19 @@
 //! A run that is about to begin.
 
-use super::beaten::Beaten;
+use super::beaten::FinishedRun;
 use super::record::Timings;
 use super::watch;
 use crate::experiment::input::{self, Input};
 use crate::experiment::refused::Place;
 use crate::experiment::{Experiment, ExperimentError, Files, Observer};
 use crate::integrate::stencil;
-use crate::settings::{Made, Run, Shaped};
+use crate::settings::{MeshedRun, Run, Shaped};
 use crate::simulation::{Effort, Ready};
 use crate::study::sha256;
 use std::time::Instant;
 
 /// Beats one cell.
-pub struct Beat {
+pub struct BeatCell {
     /// Name of the results, for people.
     pub name: String,
     /// The settings.
@@ -26,13 +26,13 @@ pub struct Beat {
 }
 
 /// A run whose cell is meshed and whose time step is chosen, or whose path of equilibria is solved.
-pub struct Prepared {
+pub struct PreparedRun {
     name: String,
     /// The settings, with the fibres that were taken.
     pub run: Run,
     shape_sha256: String,
     /// The cell on its mesh.
-    pub made: Made,
+    pub made: MeshedRun,
     /// What beats.
     pub ready: Ready,
     /// What a person should know before it beats.
@@ -42,7 +42,7 @@ pub struct Prepared {
 }
 
 /// What a run would do.
-pub struct Plan {
+pub struct RunPlan {
     /// Its method, with the number of steps.
     pub effort: Effort,
     /// How many springs are computed, where masses move in time.
@@ -51,25 +51,25 @@ pub struct Plan {
     pub estimated_s: f64,
 }
 
-impl Beat {
+impl BeatCell {
     /// Meshes the cell and makes the run ready.
     ///
     /// # Errors
     /// A shape that gives no cell, files that do not fit it, and settings that exclude each other.
-    pub fn prepare(&self, files: &Files) -> Result<Prepared, ExperimentError> {
+    pub fn prepare(&self, files: &Files) -> Result<PreparedRun, ExperimentError> {
         let start = Instant::now();
         let Input { name, run, bytes, shaped } =
             input::mesh(self.name.clone(), self.run.clone(), self.refused.clone(), files)?;
         let sha256 = sha256(&bytes.shape);
-        Prepared::of((name, run), (shaped, sha256), self.threads, files, start)
+        PreparedRun::of((name, run), (shaped, sha256), self.threads, files, start)
     }
 }
 
-impl Prepared {
+impl PreparedRun {
     /// Makes the run of a cell ready that was meshed.
     ///
     /// # Errors
-    /// Those of [`Beat::prepare`].
+    /// Those of [`BeatCell::prepare`].
     pub fn new(
         named: (String, Run),
         shape: (Shaped, String),
@@ -102,7 +102,7 @@ impl Prepared {
     }
 
     /// What the run would do; its first interval is done for that.
-    pub fn plan(&self) -> Plan {
+    pub fn plan(&self) -> RunPlan {
         // The first interval of output tells how long the rest of a motion will take; a path is solved.
         let start = Instant::now();
         let first = self.ready.run(|progress| progress.time <= 0.0);
@@ -123,25 +123,25 @@ impl Prepared {
             *steps = whole as u64;
             spring_updates = Some(whole * self.made.simulation.mesh.springs.len() as f64);
         }
-        Plan { effort, spring_updates, estimated_s }
+        RunPlan { effort, spring_updates, estimated_s }
     }
 
     /// Beats the cell. An interruption or a fault ends the beat early; what was computed up to there is the outcome.
-    pub fn beat(self, observer: &dyn Observer) -> Beaten {
+    pub fn beat(self, observer: &dyn Observer) -> FinishedRun {
         let start = Instant::now();
         let Self { name, run, shape_sha256, made, ready, mut warnings, mut timings, files } = self;
         let outcome = watch::beat(&ready, run.duration, observer, &mut timings);
         warnings.extend(ready.warnings_after(&outcome));
         timings.total_s += start.elapsed().as_secs_f64();
-        let beaten = Beaten::of(name, run, shape_sha256, made, outcome, warnings, files);
-        Beaten { timings, ..beaten }
+        let beaten = FinishedRun::of(name, run, shape_sha256, made, outcome, warnings, files);
+        FinishedRun { timings, ..beaten }
     }
 }
 
-impl Experiment for Beat {
-    type Outcome = Beaten;
+impl Experiment for BeatCell {
+    type Outcome = FinishedRun;
 
-    fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Beaten, ExperimentError> {
+    fn run(&self, files: &Files, observer: &dyn Observer) -> Result<FinishedRun, ExperimentError> {
         Ok(self.prepare(files)?.beat(observer))
     }
 }

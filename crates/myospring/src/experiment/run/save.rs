@@ -1,6 +1,6 @@
 //! What a run leaves in its folder.
 
-use super::beaten::{Beaten, Numbers};
+use super::beaten::{FinishedRun, RunNumbers};
 use super::finished::{Finished, Style};
 use super::outputs::{self, Output, WrittenOutputs};
 use super::record::{Stop, Timings, resolved};
@@ -34,7 +34,7 @@ struct Record<'a> {
 }
 
 /// What was written beside curves and numbers.
-pub struct Kept {
+pub struct SavedRun {
     /// What became of each output.
     pub written: WrittenOutputs,
     /// Whether `run.json` tells of it.
@@ -50,14 +50,14 @@ pub(in crate::experiment) fn write_numbers(
     simulation: &Simulation,
     fibres: &Fibres,
     outcome: &simulation::Outcome,
-    numbers: &Numbers<'_>,
+    numbers: &RunNumbers<'_>,
 ) -> Result<(), ExperimentError> {
     folder.write("traces.csv", csv::traces(&outcome.recording)?)?;
     folder.write("summary.json", json::for_people(numbers)?)?;
     fibres::write(folder, [(run.shape.name(), &simulation.mesh, fibres)])
 }
 
-impl Beaten {
+impl FinishedRun {
     /// Writes curves, numbers and the record, then these outputs. An output that fails costs no other.
     ///
     /// # Errors
@@ -68,7 +68,7 @@ impl Beaten {
         outputs: &[&Output],
         style: Style,
         observer: &dyn Observer,
-    ) -> Result<Kept, ExperimentError> {
+    ) -> Result<SavedRun, ExperimentError> {
         let start = Instant::now();
         let Self { run, made, outcome, .. } = self;
         let (simulation, numbers) = (&made.simulation, self.all_numbers());
@@ -116,10 +116,10 @@ impl Beaten {
         timings.total_s += timings.outputs_s;
         // On a full disk the one without outputs stays.
         let recorded = folder.write("run.json", record(timings, &written)?);
-        Ok(Kept { written, recorded, timings })
+        Ok(SavedRun { written, recorded, timings })
     }
 
-    /// As [`Beaten::write`], where an output that is missing is an error.
+    /// As [`FinishedRun::write`], where an output that is missing is an error.
     ///
     /// # Errors
     /// Anything that cannot be written.
@@ -129,14 +129,14 @@ impl Beaten {
         outputs: &[&Output],
         observer: &dyn Observer,
     ) -> Result<(), ExperimentError> {
-        let Kept { written, recorded, .. } =
+        let SavedRun { written, recorded, .. } =
             self.write(folder, outputs, Style::default(), observer)?;
         recorded?;
         written.errors().first().map_or(Ok(()), |error| Err(ExperimentError::new(error)))
     }
 }
 
-impl Outcome for Beaten {
+impl Outcome for FinishedRun {
     fn numbers(&self) -> impl Serialize {
         self.all_numbers()
     }

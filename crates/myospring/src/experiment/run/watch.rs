@@ -3,7 +3,7 @@
 use super::record::Timings;
 use crate::experiment::Observer;
 use crate::interruption::Interruption;
-use crate::simulation::{self, Outcome, Part, Progress, Ready};
+use crate::simulation::{self, Outcome, Progress, Ready, RunPart};
 use std::time::Instant;
 
 /// Runs, tells how far it has come, and measures what the parts take.
@@ -27,17 +27,17 @@ struct Watch<'a> {
     interruption: Interruption,
     timings: &'a mut Timings,
     /// What the run is at, and since when.
-    at: Option<(Part, Instant)>,
+    at: Option<(RunPart, Instant)>,
 }
 
 impl Watch<'_> {
-    fn turn(&mut self, next: Option<Part>) {
+    fn turn(&mut self, next: Option<RunPart>) {
         let now = Instant::now();
         if let Some((part, since)) = self.at {
             let total = match part {
-                Part::Cell => &mut self.timings.cell_s,
-                Part::Mechanics => &mut self.timings.mechanics_s,
-                Part::Recording => &mut self.timings.recording_s,
+                RunPart::Cell => &mut self.timings.cell_s,
+                RunPart::Mechanics => &mut self.timings.mechanics_s,
+                RunPart::Recording => &mut self.timings.recording_s,
             };
             *total += (now - since).as_secs_f64();
         }
@@ -45,13 +45,13 @@ impl Watch<'_> {
     }
 }
 
-impl simulation::Observer for Watch<'_> {
+impl simulation::RunObserver for Watch<'_> {
     fn sample(&mut self, Progress { time, .. }: Progress) -> bool {
         self.observer.reached(time as u64);
         !self.interruption.is_asked()
     }
 
-    fn begins(&mut self, part: Part) {
+    fn begins(&mut self, part: RunPart) {
         self.turn(Some(part));
     }
 }

@@ -7,12 +7,12 @@ use crate::microscopy::fibres::FibreError;
 use crate::microscopy::report::ShapeReport;
 use crate::microscopy::segment::Confidence;
 use crate::run_file::{Shape, ShapeError};
-use crate::settings::{Fibre, FibreReport, Fibres};
+use crate::settings::{FibreDirection, FibreReport, Fibres};
 use serde::Serialize;
 
 /// What was found, as `report.json` has it.
 #[derive(Serialize)]
-pub struct Report<'a> {
+pub struct SegmentReport<'a> {
     /// The picture, as it was named.
     pub picture: &'a str,
     modality: &'static str,
@@ -99,7 +99,7 @@ impl Chosen {
     /// Looks for the fibres in the picture.
     pub(super) fn look_for_fibres(
         &mut self,
-        fibre: Fibre,
+        fibre: FibreDirection,
         cells: &PictureCells,
     ) -> Result<(), FibreError> {
         if let Ok((mesh, _)) = &self.lattice {
@@ -115,7 +115,7 @@ impl Chosen {
     }
 }
 
-impl<'a> Report<'a> {
+impl<'a> SegmentReport<'a> {
     /// The report of the cells that were chosen.
     pub(in crate::experiment) fn of(
         picture: &'a str,

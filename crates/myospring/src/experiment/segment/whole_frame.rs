@@ -9,14 +9,14 @@ use crate::output::fibres::{FibreRow, to_csv};
 use crate::output::figure::{Figure, FigureError, Sarcomeres, Tick};
 use crate::output::json;
 use crate::run_file::Source;
-use crate::settings::{Fibre, Run};
+use crate::settings::{FibreDirection, Run};
 use serde::Serialize;
 
 /// Resolution of the overlay, dots per inch.
 const DPI: f64 = 200.0;
 
 /// Reads the fibres of a whole picture: a sheet or a tissue, in which no cell has an outline.
-pub struct ReadFrame {
+pub struct ReadWholeFrame {
     /// The picture, as people named it.
     pub picture: String,
     /// How it is read.
@@ -24,7 +24,7 @@ pub struct ReadFrame {
 }
 
 /// What was read.
-pub struct Frame {
+pub struct FieldOfView {
     picture: String,
     settings: FibreSettings,
     /// The picture, without cells.
@@ -74,19 +74,19 @@ pub struct FrameFibres {
     pub sarcomere_doubt: Option<SarcomereDoubt>,
 }
 
-impl Experiment for ReadFrame {
-    type Outcome = Frame;
+impl Experiment for ReadWholeFrame {
+    type Outcome = FieldOfView;
 
-    fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Frame, ExperimentError> {
+    fn run(&self, files: &Files, observer: &dyn Observer) -> Result<FieldOfView, ExperimentError> {
         let run = self.run.clone().interrupted_by(&observer.interruption());
         let Source::Picture(source) = &run.shape.source else {
             let message = format!("`{}` is not a picture", self.picture);
             return Err(ExperimentError::new(message).advise("give a picture (.png, .tif, .tiff)"));
         };
         let settings = match self.run.fibre {
-            Fibre::Auto(asked) => asked.settings(),
-            Fibre::Picture(settings) => settings,
-            Fibre::LongAxis | Fibre::Angle(_) => {
+            FibreDirection::Auto(asked) => asked.settings(),
+            FibreDirection::Picture(settings) => settings,
+            FibreDirection::LongAxis | FibreDirection::Angle(_) => {
                 let message = "--whole-frame reads the fibres from the picture";
                 return Err(ExperimentError::new(message)
                     .advise("leave --fibre away, or give --fibre picture"));
@@ -95,11 +95,11 @@ impl Experiment for ReadFrame {
         let bytes = self.run.shape.bytes(|file| files.bytes(file))?;
         let cells = source.unsegmented(&bytes)?;
         let read = WholeFrame::read(&cells, &settings, self.run.shape.spacing)?;
-        Ok(Frame { picture: self.picture.clone(), settings, cells, read })
+        Ok(FieldOfView { picture: self.picture.clone(), settings, cells, read })
     }
 }
 
-impl Frame {
+impl FieldOfView {
     /// What was read, as `report.json` has it.
     pub fn report(&self) -> FrameReport<'_> {
         let WholeFrame { size_um: [width_um, height_um], spacing_um, summary, .. } = &self.read;
@@ -138,7 +138,7 @@ impl Frame {
     }
 }
 
-impl Outcome for Frame {
+impl Outcome for FieldOfView {
     fn numbers(&self) -> impl Serialize {
         self.report()
     }

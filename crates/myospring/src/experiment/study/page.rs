@@ -3,8 +3,8 @@
 use super::found::Found;
 use crate::output::figure::Figure;
 use crate::output::page::{
-    self, Answer as Line, Cell, Column, Drawing, Look, Page, PageError, Part, Quality, Row,
-    Section, Table, metric_words,
+    self, Answer as Line, Column, Drawing, Look, Page, PageError, Part, Quality, Row, Section,
+    Table, TableCell, metric_words,
 };
 use crate::output::table;
 use crate::study::parameters::{Acceptance, Answer, ParameterStudy, Ranked, Sensitivity};
@@ -116,20 +116,20 @@ fn line(study: &ParameterStudy, found: &Found<'_>) -> Line {
 
 /// The parameters of a metric, what matters most first; none where too few members have it.
 fn ranking(one: &Sensitivity) -> Option<Table> {
-    let spread = |value: f64, confidence: f64| Cell {
+    let spread = |value: f64, confidence: f64| TableCell {
         spread: Some(confidence).filter(|it| it.is_finite()),
-        ..Cell::number(Some(value))
+        ..TableCell::number(Some(value))
     };
     let row = |ranked: &Ranked| {
         let name = ranked.parameter();
         let short = name.rsplit_once('.').map_or(name, |(_, short)| short);
-        let mut cells = vec![Cell::term(short, name)];
+        let mut cells = vec![TableCell::term(short, name)];
         cells.extend(match ranked {
             Ranked::Sobol { first, total, .. } => {
                 [spread(first.value, first.confidence), spread(total.value, total.confidence)]
             }
             Ranked::Morris { mean_size, mean, .. } => {
-                [spread(mean_size.value, mean_size.confidence), Cell::number(Some(*mean))]
+                [spread(mean_size.value, mean_size.confidence), TableCell::number(Some(*mean))]
             }
         });
         Row::from(cells)

@@ -1,8 +1,8 @@
 //! What is asked of a film.
 
-use crate::experiment::input::Given;
+use crate::experiment::input::ChosenSetting;
 use crate::experiment::refused::Place;
-use crate::microscopy::motion::Settings;
+use crate::microscopy::motion::TrackingSettings;
 use std::path::PathBuf;
 
 /// Follows the cell of a film.
@@ -11,7 +11,7 @@ pub struct Track {
     /// The film, or the folder of its pictures.
     pub film: PathBuf,
     /// Settings of shape, segmentation and fibres.
-    pub settings: Vec<Given>,
+    pub settings: Vec<ChosenSetting>,
     /// Frames a second; that of the film unless given.
     pub frame_rate: Option<f64>,
     /// Side of the squares of the picture that are looked for in each frame, um.
@@ -31,7 +31,7 @@ impl Track {
             film: film.into(),
             settings: Vec::new(),
             frame_rate: None,
-            subset_um: Settings::SUBSET_UM,
+            subset_um: TrackingSettings::SUBSET_UM,
             threads: None,
             refused: None,
             outputs: Output::DEFAULT.to_vec(),

@@ -5,7 +5,7 @@ use super::open;
 use crate::experiment::input::{mesh_picture, settle_with};
 use crate::experiment::{ExperimentError, Files, Observer};
 use crate::microscopy::film::Film;
-use crate::microscopy::motion::{self, Cell, Motion, Rest, Settings};
+use crate::microscopy::motion::{self, CellAtRest, CellMotion, Rest, TrackingSettings};
 use crate::microscopy::picture::{PixelSizeSource, StatedPixelSize};
 use crate::run_file::{Origin, Shaped, Source};
 use crate::settings::{Fibres, PictureSource, Run, ShapeBytes, Value};
@@ -36,7 +36,7 @@ pub struct Followed {
     /// Its fibres.
     pub fibres: Fibres,
     /// Its motion.
-    pub motion: Motion,
+    pub motion: CellMotion,
     /// Frames a second.
     pub frames_per_second: f64,
     /// Whether the rate was given, not the film's own.
@@ -125,9 +125,12 @@ impl AtRest {
             Some(found) => found.numbers.iter().map(|&number| number > 0).collect(),
             None => inside.clone(),
         };
-        let settings =
-            Settings { frames_per_second, subset_um: track.subset_um, threads: track.threads };
-        let seen = Cell {
+        let settings = TrackingSettings {
+            frames_per_second,
+            subset_um: track.subset_um,
+            threads: track.threads,
+        };
+        let seen = CellAtRest {
             mesh: &shaped.mesh,
             inside: &inside,
             any_cell: &any_cell,
@@ -165,7 +168,7 @@ fn rate(track: &Track, film: &Film) -> Result<f64, String> {
     let Some(rate) = track.frame_rate.or(film.frames_per_second) else {
         return Err("the film does not say how many frames a second it has".to_owned());
     };
-    let most = Settings::HIGHEST_FRAME_RATE;
+    let most = TrackingSettings::HIGHEST_FRAME_RATE;
     if (f64::MIN_POSITIVE..=most).contains(&rate) {
         return Ok(rate);
     }

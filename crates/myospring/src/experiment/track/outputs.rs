@@ -3,7 +3,7 @@
 use super::description::Output;
 use super::followed::Followed;
 use super::page;
-use super::report::Report;
+use super::report::TrackReport;
 use crate::experiment::{Draw, ExperimentError, Folder, Observer};
 use crate::microscopy::plane::Plane;
 use crate::output::figure::{FigureError, Theme, Tracked, TrackedFrame};
@@ -22,7 +22,7 @@ pub(super) fn write(
     folder: &Folder,
     outputs: &[Output],
     followed: &Followed,
-    report: &Report,
+    report: &TrackReport,
     observer: &dyn Observer,
 ) -> Result<(), ExperimentError> {
     let drawn = Drawn { followed, report };
@@ -86,7 +86,7 @@ fn grids(folder: &Folder, followed: &Followed, shapes: &[Frame]) -> Result<(), E
 /// What figures and films are drawn from.
 struct Drawn<'a> {
     followed: &'a Followed,
-    report: &'a Report,
+    report: &'a TrackReport,
 }
 
 impl Drawn<'_> {

@@ -1,11 +1,11 @@
 //! `report.html` of a film: its cell moving on the frame at rest, with the curves of the cell.
 
 use super::followed::Followed;
-use super::report::Report;
+use super::report::TrackReport;
 use crate::output::field::Field;
 use crate::output::page::{
-    self, Answer, Beat, Cell, Chart, MovingCell, Page, PageError, Part, Photograph, Quality,
-    Section, Series, Tile, Tone,
+    self, Answer, BeatingCells, Chart, MovingCell, Page, PageError, Part, Photograph, Quality,
+    Section, Series, TableCell, Tile, Tone,
 };
 use crate::output::track::TrackRow;
 use crate::recording::Frame;
@@ -13,7 +13,7 @@ use crate::recording::Frame;
 /// The page.
 pub(super) fn html(
     followed: &Followed,
-    report: &Report,
+    report: &TrackReport,
     frames: &[Frame],
 ) -> Result<String, PageError> {
     let Followed { motion, shaped, fibres, .. } = followed;
@@ -34,7 +34,7 @@ pub(super) fn html(
         picture,
         peak_ms: report.rows[report.headline.at].t_ms,
     };
-    let beat = Beat {
+    let beat = BeatingCells {
         colour: Field::default(),
         cells: vec![cell],
         charts: charts(&report.rows),
@@ -73,7 +73,7 @@ pub(super) fn html(
 }
 
 /// How the motion was measured.
-fn measured(report: &Report) -> Vec<String> {
+fn measured(report: &TrackReport) -> Vec<String> {
     let mut words = vec![
         format!("The cell is at rest in frame {}.", report.rest_frame),
         format!(
@@ -101,10 +101,10 @@ fn measured(report: &Report) -> Vec<String> {
     words
 }
 
-fn tiles(report: &Report) -> Vec<Tile> {
+fn tiles(report: &TrackReport) -> Vec<Tile> {
     let tile = |name: &str, definition: &str, number: Option<f64>, unit: &str| {
         let unit = unit.to_owned();
-        let value = Cell { unit, ..Cell::number(number) };
+        let value = TableCell { unit, ..TableCell::number(number) };
         number
             .is_some()
             .then(|| Tile { definition: definition.to_owned(), ..Tile::new(name, value) })
@@ -112,7 +112,7 @@ fn tiles(report: &Report) -> Vec<Tile> {
     let interval = |ends: Option<[f64; 2]>, digits: usize, unit: &str| {
         let words =
             ends.map(|[low, high]| format!("95 %: {low:.digits$} to {high:.digits$} {unit}"));
-        words.into_iter().map(Cell::text).collect()
+        words.into_iter().map(TableCell::text).collect()
     };
     let rest = tile(
         "sarcomeres at rest",

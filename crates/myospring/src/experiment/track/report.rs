@@ -1,7 +1,7 @@
 //! What was measured, for machines and for people.
 
 use super::followed::Followed;
-use crate::microscopy::motion::{self, Measure, Motion, Stage};
+use crate::microscopy::motion::{self, CellMotion, Measure, Stage};
 use crate::microscopy::report::ShapeReport;
 use crate::output::track::TrackRow;
 use crate::settings::FibreReport;
@@ -14,7 +14,7 @@ const MOST_NAMED: usize = 10;
 
 /// All numbers of a film: `track.json`.
 #[derive(Serialize)]
-pub struct Report {
+pub struct TrackReport {
     /// `myospring`.
     pub program: &'static str,
     /// Its version.
@@ -58,7 +58,7 @@ pub struct Report {
     /// How far the stage moved.
     pub stage_largest_um: f64,
     /// How much the cell contracts, by the column that can be trusted.
-    pub headline: Headline,
+    pub headline: HeadlineReport,
     /// Length in the frame at rest.
     pub resting_length_um: f64,
     /// Largest shortening of the length.
@@ -98,7 +98,7 @@ pub struct Report {
 
 /// How much the cell contracts.
 #[derive(Serialize)]
-pub struct Headline {
+pub struct HeadlineReport {
     /// The column of `track.csv` that says it.
     pub column: &'static str,
     /// The largest contraction.
@@ -115,7 +115,7 @@ pub struct Headline {
     pub at: usize,
 }
 
-impl Headline {
+impl HeadlineReport {
     /// The headline of these rows; the peak is one of the frames that show the cell.
     fn of(
         motion::Headline { measure, reason }: motion::Headline,
@@ -140,7 +140,7 @@ impl Headline {
     }
 }
 
-impl Report {
+impl TrackReport {
     /// The report of a cell that was followed.
     #[must_use]
     pub fn of(path: &Path, followed: &Followed) -> Self {
@@ -152,7 +152,7 @@ impl Report {
         let headline = motion.headline();
         let headline = if is_doubtful { headline.with_doubtful_outline() } else { headline };
         let seen = motion.seen_frames();
-        let headline = Headline::of(headline, &rows, &seen);
+        let headline = HeadlineReport::of(headline, &rows, &seen);
         let most =
             |of: &dyn Fn(&TrackRow) -> f64| rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         let shown = || seen.iter().map(|&at| &rows[at]);
@@ -222,7 +222,7 @@ impl Report {
     }
 }
 
-fn rows(motion: &Motion) -> Vec<TrackRow> {
+fn rows(motion: &CellMotion) -> Vec<TrackRow> {
     let extents = motion.extents();
     let rest = extents[motion.rest_index()].length;
     let all = motion.stretches();

@@ -3,13 +3,17 @@
 use super::picked::{Picked, listed, named, no_numbers, stem};
 use crate::measured::curve::{Curve, Table};
 use crate::measured::error::ReadError;
-use crate::measured::options::{Column, Options};
+use crate::measured::options::{Column, TableOptions};
 use crate::measured::sheet::Sheet;
 use crate::measured::workbook;
 
 /// Returns the curves of all sheets, or of the requested ones. If some sheets have curves, each
 /// sheet without one is reported as a note.
-pub(super) fn of_workbook(path: &str, bytes: &[u8], options: &Options) -> Result<Table, ReadError> {
+pub(super) fn of_workbook(
+    path: &str,
+    bytes: &[u8],
+    options: &TableOptions,
+) -> Result<Table, ReadError> {
     let whole = |cause: String| ReadError::Table { path: path.to_owned(), cause };
     let mut sheets = workbook::sheets(bytes).map_err(|what| whole(format!("it is {what}")))?;
     if sheets.is_empty() {

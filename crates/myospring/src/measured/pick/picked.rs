@@ -5,7 +5,7 @@ use crate::measured::column::{self, Holds, Scale, Title};
 use crate::measured::curve::{Curve, Table};
 use crate::measured::error::ReadError;
 use crate::measured::number::Cell;
-use crate::measured::options::{Column, Options};
+use crate::measured::options::{Column, TableOptions};
 use crate::measured::sheet::Sheet;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -24,7 +24,7 @@ pub(in crate::measured) struct Picked<'a> {
     /// file.
     pub(super) stems: Vec<String>,
     pub(super) sheet: Sheet,
-    pub(super) options: &'a Options,
+    pub(super) options: &'a TableOptions,
     pub(super) notes: Vec<String>,
     /// Notes that concern many columns; each is stated once.
     pub(super) shared: BTreeSet<String>,
@@ -63,7 +63,7 @@ impl<'a> Picked<'a> {
         path: &'a str,
         stems: Vec<String>,
         sheet: Sheet,
-        options: &'a Options,
+        options: &'a TableOptions,
     ) -> Self {
         let mut notes = Vec::new();
         if sheet.above > 0 {

@@ -4,11 +4,11 @@ use super::super::bounds::Bounds;
 use super::super::calcium::CALCIUM_ENDINGS;
 use super::super::problem::{Failure, Problem};
 use super::super::run::Run;
-use super::super::setting::{Kind, Named, Setting};
+use super::super::setting::{Named, Setting, ValueKind};
 use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
 use crate::cell::coelho_2021;
-use crate::cell::solve::{Method, Settings};
+use crate::cell::solve::{CellMethod, SolverSettings};
 use crate::mechanics::material::myofilament_material;
 use crate::simulation::{StretchFelt, TensionScale};
 use crate::units::{self, Dimension};
@@ -29,20 +29,20 @@ worded! { StretchFelt {
          parts differ, by their content of myofibrils or their fibres.",
 } }
 
-worded! { Method {
-    Method::RungeKutta4 = "runge-kutta-4":
+worded! { CellMethod {
+    CellMethod::RungeKutta4 = "runge-kutta-4":
         "Classical Runge-Kutta, order 4 for smooth equations; fixed steps.",
-    Method::ForwardEuler = "forward-euler": "Forward Euler, order 1; fixed steps.",
-    Method::StaggeredEuler = "staggered-euler":
+    CellMethod::ForwardEuler = "forward-euler": "Forward Euler, order 1; fixed steps.",
+    CellMethod::StaggeredEuler = "staggered-euler":
         "Forward Euler that updates one block of the minimal model after the other, each with the \
          new values of the previous ones, order 1; fixed steps. The method of the authors of `coelho_2021`.",
-    Method::RushLarsen = "rush-larsen":
+    CellMethod::RushLarsen = "rush-larsen":
         "Gates by their exact solution at constant potential, the rest by forward Euler, order 1; \
          fixed steps. For models that declare their gates.",
-    Method::Adaptive = "adaptive":
+    CellMethod::Adaptive = "adaptive":
         "Adaptive steps that are cut at the model's switches; for the minimal model \
          only.",
-    Method::Stiff = "stiff":
+    CellMethod::Stiff = "stiff":
         "Implicit adaptive steps for stiff models whose equations do not \
          jump.",
 } }
@@ -53,7 +53,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "cell.model",
         "Cell model; `myospring models` lists them.",
-        Kind::Text { get: |run| Some(run.cell.name().to_owned()), set: set_model },
+        ValueKind::Text { get: |run| Some(run.cell.name().to_owned()), set: set_model },
     )
     .option("--model", "NAME"),
     Setting::new(
@@ -61,7 +61,7 @@ pub(super) const ROWS: &[Setting] = &[
         "Calcium from a table (.csv), relative to this file, for a model with prescribed calcium: a column of times \
          from the stimulus and one of calcium, with their units in the header like time (ms),calcium (uM), or a ratio \
          with its calibration. The course restarts at each stimulus.",
-        Kind::File {
+        ValueKind::File {
             endings: CALCIUM_ENDINGS,
             words: &[],
             example: "calcium.csv",
@@ -111,7 +111,7 @@ pub(super) const ROWS: &[Setting] = &[
         "cell.tension_scale",
         "Which peak is scaled to `peak_tension`: that of the published parameters, or the \
          model's own, whatever its parameters.",
-        Kind::Words {
+        ValueKind::Words {
             words: TensionScale::WORDS,
             get: |run| run.has_relative_tension().then(|| run.tension_scale.word()),
             set: |run, word| choose(&mut run.tension_scale, word),
@@ -127,7 +127,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "cell.stretch_felt",
         "Which stretch acts on a model that depends on stretch, such as land_2017.",
-        Kind::Words {
+        ValueKind::Words {
             words: StretchFelt::WORDS,
             get: |run| Some(run.stretch_felt.word()),
             set: |run, word| choose(&mut run.stretch_felt, word),
@@ -139,7 +139,7 @@ pub(super) const ROWS: &[Setting] = &[
          ms); its peak tension is 4 % low, its onset 20 ms late. Not together with method or \
          step.",
         // A run is written back with the corresponding method and step.
-        Kind::Flag { get: |_| None, set: set_authors_step },
+        ValueKind::Flag { get: |_| None, set: set_authors_step },
     )
     .option_saying(
         "--authors-step",
@@ -149,8 +149,8 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "cell.integrator",
         "Integration method of the cell model, with fixed or adaptive steps.",
-        Kind::Words {
-            words: Method::WORDS,
+        ValueKind::Words {
+            words: CellMethod::WORDS,
             get: |run| Some(run.numerics.cell.method.word()),
             set: |run, word| choose(&mut run.numerics.cell.method, word),
         },
@@ -161,7 +161,7 @@ pub(super) const ROWS: &[Setting] = &[
         // Shorter steps need minutes for a beat without changing the result.
         Bounds::any(Dimension::Time, "0.005 ms").from(1e-5).to(1.0),
         |run| {
-            let Settings { method, step_ms, .. } = run.numerics.cell;
+            let SolverSettings { method, step_ms, .. } = run.numerics.cell;
             (!method.chooses_steps()).then_some(step_ms)
         },
         |run, step| run.numerics.cell.step_ms = step,
@@ -172,10 +172,10 @@ pub(super) const ROWS: &[Setting] = &[
         "Largest error of a step relative to the size of each variable, for a method with adaptive \
          steps.",
         Bounds::any(Dimension::Number, "0.00001")
-            .from(Settings::TOLERANCES[0])
-            .to(Settings::TOLERANCES[1]),
+            .from(SolverSettings::TOLERANCES[0])
+            .to(SolverSettings::TOLERANCES[1]),
         |run| {
-            let Settings { method, tolerance, .. } = run.numerics.cell;
+            let SolverSettings { method, tolerance, .. } = run.numerics.cell;
             method.chooses_steps().then_some(tolerance)
         },
         |run, tolerance| run.numerics.cell.tolerance = tolerance,
@@ -185,7 +185,7 @@ pub(super) const ROWS: &[Setting] = &[
         PARAMETERS,
         "Parameters of the cell model that differ from the published ones, by name: \"1.9 ms\", \
          or a plain number in the parameter's own unit; `myospring models NAME` lists them.",
-        Kind::Named {
+        ValueKind::Named {
             example: ("tau_si", "1.9 ms"),
             get: |run| Some(changed_parameters(run)),
             set: set_parameters,
@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn the_methods_are_written_as_the_cell_models_name_them() {
-        for method in Method::ALL {
+        for method in CellMethod::ALL {
             assert_eq!(method.word(), method.name());
         }
     }

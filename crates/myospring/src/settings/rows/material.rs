@@ -1,7 +1,7 @@
 //! `[material]`.
 
 use super::super::bounds::Bounds;
-use super::super::setting::{Kind, Setting};
+use super::super::setting::{Setting, ValueKind};
 use super::super::words::{Word, Worded, choose, worded};
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::material::Stiffness;
@@ -50,7 +50,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "material.area_law",
         "Law of area preservation.",
-        Kind::Words {
+        ValueKind::Words {
             words: AreaLaw::WORDS,
             get: |run| Some(run.material.area_law.word()),
             set: |run, word| choose(&mut run.material.area_law, word),

@@ -2,12 +2,12 @@
 
 use super::super::bounds::Bounds;
 use super::super::content::CONTENT_ENDINGS;
-use super::super::fibres::{Asked, Fibre};
+use super::super::fibres::{Asked, FibreDirection};
 use super::super::places::{FromPlaces, WORDS};
 use super::super::problem::Problem;
 use super::super::run::Run;
 use super::super::sarcomeres::SARCOMERE_ENDINGS;
-use super::super::setting::{Kind, Setting};
+use super::super::setting::{Setting, ValueKind};
 use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
 use crate::mechanics::active::ActiveLaw;
@@ -67,7 +67,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "mechanics.active",
         "How the tension acts.",
-        Kind::Words {
+        ValueKind::Words {
             words: ActiveLaw::WORDS,
             get: |run| Some(run.active.word()),
             set: |run, word| choose(&mut run.active, word),
@@ -79,16 +79,16 @@ pub(super) const ROWS: &[Setting] = &[
         "Direction of the fibres: \"picture\" (read from the stripes or filaments of the picture), the \
          \"long axis\" of the cell, an angle counter-clockwise from x, or \"auto\": from a picture that shows \
          sarcomeres or the stated stain, and along the long axis elsewhere.",
-        Kind::Written {
+        ValueKind::Written {
             bounds: Some(FIBRE_ANGLE),
             numbers: false,
             example: FIBRE_ANGLE.example,
             get: |run| {
                 Some(match run.fibre {
-                    Fibre::Auto(_) => Value::from(AUTO),
-                    Fibre::LongAxis => Value::from(LONG_AXIS),
-                    Fibre::Angle(degrees) => FIBRE_ANGLE.write(degrees),
-                    Fibre::Picture(_) => Value::from(PICTURE),
+                    FibreDirection::Auto(_) => Value::from(AUTO),
+                    FibreDirection::LongAxis => Value::from(LONG_AXIS),
+                    FibreDirection::Angle(degrees) => FIBRE_ANGLE.write(degrees),
+                    FibreDirection::Picture(_) => Value::from(PICTURE),
                 })
             },
             set: set_fibre,
@@ -103,19 +103,19 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "mechanics.stain",
         "What the picture shows: stripes across the fibre, or filaments along it.",
-        Kind::Words {
+        ValueKind::Words {
             words: Stain::WORDS,
             get: |run| match &run.fibre {
-                Fibre::Auto(asked) => asked.stain.map(|stain| stain.word()),
-                Fibre::Picture(settings) => Some(settings.stain.word()),
-                Fibre::LongAxis | Fibre::Angle(_) => None,
+                FibreDirection::Auto(asked) => asked.stain.map(|stain| stain.word()),
+                FibreDirection::Picture(settings) => Some(settings.stain.word()),
+                FibreDirection::LongAxis | FibreDirection::Angle(_) => None,
             },
             set: |run, word| {
                 let stain = Stain::of_word(word)?;
                 match &mut run.fibre {
-                    Fibre::Auto(asked) => asked.stain = Some(stain),
-                    Fibre::Picture(settings) => *settings = FibreSettings::of(stain),
-                    Fibre::LongAxis | Fibre::Angle(_) => {}
+                    FibreDirection::Auto(asked) => asked.stain = Some(stain),
+                    FibreDirection::Picture(settings) => *settings = FibreSettings::of(stain),
+                    FibreDirection::LongAxis | FibreDirection::Angle(_) => {}
                 }
                 Some(())
             },
@@ -133,14 +133,14 @@ pub(super) const ROWS: &[Setting] = &[
         "Scale over which directions from the picture are averaged.",
         Bounds::any(Dimension::Length, "3 um").from(0.1).to(20.0),
         |run| match &run.fibre {
-            Fibre::Auto(asked) => asked.smoothing_um,
-            Fibre::Picture(settings) => Some(settings.smoothing_um),
-            Fibre::LongAxis | Fibre::Angle(_) => None,
+            FibreDirection::Auto(asked) => asked.smoothing_um,
+            FibreDirection::Picture(settings) => Some(settings.smoothing_um),
+            FibreDirection::LongAxis | FibreDirection::Angle(_) => None,
         },
         |run, scale| match &mut run.fibre {
-            Fibre::Auto(asked) => asked.smoothing_um = Some(scale),
-            Fibre::Picture(settings) => settings.smoothing_um = scale,
-            Fibre::LongAxis | Fibre::Angle(_) => {}
+            FibreDirection::Auto(asked) => asked.smoothing_um = Some(scale),
+            FibreDirection::Picture(settings) => settings.smoothing_um = scale,
+            FibreDirection::LongAxis | FibreDirection::Angle(_) => {}
         },
     )
     .otherwise("\"3 um\"")
@@ -156,7 +156,7 @@ pub(super) const ROWS: &[Setting] = &[
          it shows none; or a file, relative to this one: a table (.csv) with the header content, a row for each \
          triangle, or x_um,y_um,content, used unchanged, or a picture of the same frame as the cell's, whose \
          grey values are used relative to their mean.",
-        Kind::File {
+        ValueKind::File {
             endings: CONTENT_ENDINGS,
             words: WORDS,
             example: "content.csv",
@@ -178,7 +178,7 @@ pub(super) const ROWS: &[Setting] = &[
          or as at the nearest place where it shows none; or a table (.csv), relative to this file, with \
          the header sarcomere_um, a row for each triangle, or x_um,y_um,sarcomere_um, such as fibres.csv. With a model for \
          each triangle (stretch_felt = \"triangle\"), each has its own; a single model has their mean.",
-        Kind::File {
+        ValueKind::File {
             endings: SARCOMERE_ENDINGS,
             words: WORDS,
             example: "fibres.csv",
@@ -208,7 +208,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "mechanics.support",
         "The support of the cell.",
-        Kind::Words {
+        ValueKind::Words {
             words: SupportName::WORDS,
             get: |run| Some(support_name(run.support).word()),
             set: |run, word| {
@@ -294,14 +294,14 @@ pub(super) const ROWS: &[Setting] = &[
 fn set_fibre(run: &mut Run, value: &Value) -> Result<(), Problem> {
     let text = value.written();
     run.fibre = match text.as_str() {
-        AUTO => Fibre::Auto(Asked::default()),
-        LONG_AXIS => Fibre::LongAxis,
-        PICTURE => Fibre::Picture(FibreSettings::of(Stain::ZDisc)),
+        AUTO => FibreDirection::Auto(Asked::default()),
+        LONG_AXIS => FibreDirection::LongAxis,
+        PICTURE => FibreDirection::Picture(FibreSettings::of(Stain::ZDisc)),
         words if !words.contains(|c: char| c.is_ascii_digit()) => {
             let known = [AUTO, PICTURE, LONG_AXIS, "an angle like 15 deg"];
             return Err(Problem::unknown_word(FIBRE, words, known));
         }
-        _ => Fibre::Angle(FIBRE_ANGLE.read(FIBRE, value)?),
+        _ => FibreDirection::Angle(FIBRE_ANGLE.read(FIBRE, value)?),
     };
     Ok(())
 }

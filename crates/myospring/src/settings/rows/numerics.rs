@@ -1,7 +1,7 @@
 //! `[numerics]`.
 
 use super::super::bounds::Bounds;
-use super::super::setting::{Kind, Setting};
+use super::super::setting::{Setting, ValueKind};
 use super::super::words::{Word, Worded, choose, worded};
 use crate::integrate::Method;
 use crate::integrate::engine::Loops;
@@ -40,7 +40,7 @@ pub(super) const ROWS: &[Setting] = &[
         "numerics.integrator",
         "How the shape follows the tension: in time by Verlet's method (\"verlet\" is \
          the paper's form), or along its equilibria.",
-        Kind::Words {
+        ValueKind::Words {
             words: IntegratorName::WORDS,
             get: |run| Some(name(run.numerics.method).word()),
             set: |run, word| {
@@ -58,7 +58,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "numerics.engine",
         "Implementation of the integrator in time; an unsupported one is an error, and run.json states the one used.",
-        Kind::Words {
+        ValueKind::Words {
             words: Loops::WORDS,
             get: |run| Some(run.numerics.engine.loops.word()),
             set: |run, word| choose(&mut run.numerics.engine.loops, word),

@@ -3,7 +3,7 @@
 use super::super::bounds::{Bounds, Whole};
 use super::super::problem::Problem;
 use super::super::run::Run;
-use super::super::setting::{Kind, Setting};
+use super::super::setting::{Setting, ValueKind};
 use super::super::shape::OUTLINE_ENDINGS;
 use super::super::value::Value;
 use super::super::words::{Word, Worded, worded};
@@ -30,7 +30,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "segmentation.modality",
         "How the picture was taken.",
-        Kind::Words {
+        ValueKind::Words {
             words: Modality::WORDS,
             get: |run| {
                 run.shape
@@ -52,7 +52,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "segmentation.channel",
         "Channel of the picture, from 0.",
-        Kind::Whole {
+        ValueKind::Whole {
             bounds: Whole { minimum: 0, maximum: 10_000, example: 0 },
             get: |run| u32::try_from(run.shape.source.picture()?.options.selection.channel?).ok(),
             set: |run, channel| {
@@ -67,7 +67,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "segmentation.frame",
         "Frame (time point) of the picture, from 0.",
-        Kind::Whole {
+        ValueKind::Whole {
             bounds: Whole { minimum: 0, maximum: 1_000_000, example: 0 },
             get: |run| u32::try_from(run.shape.source.picture()?.options.selection.frame).ok(),
             set: |run, frame| {
@@ -82,7 +82,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         DEPTH,
         "How a stack in depth is reduced: \"max\", \"mean\", or the number of a slice, from 0.",
-        Kind::Written {
+        ValueKind::Written {
             bounds: None,
             numbers: true,
             example: "max",
@@ -137,7 +137,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         SEED,
         "Takes the cell at this place: column and row in pixels from the top left.",
-        Kind::Written {
+        ValueKind::Written {
             bounds: None,
             numbers: false,
             example: "120, 85",
@@ -156,7 +156,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         CELL,
         "Which cell: \"largest\", or its number by size, 1 being the largest.",
-        Kind::Written {
+        ValueKind::Written {
             bounds: None,
             numbers: true,
             example: "2",
@@ -216,7 +216,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "segmentation.allow_cut",
         "Accepts a cell although the frame of the picture cuts it.",
-        Kind::Flag {
+        ValueKind::Flag {
             get: |run| run.shape.source.picture().map(|picture| picture.allow_cut),
             set: |run, allowed| {
                 if let Some(picture) = run.shape.source.picture_mut() {
@@ -230,7 +230,7 @@ pub(super) const ROWS: &[Setting] = &[
         "segmentation.outline",
         "Outline of the cell drawn on the picture in another program, instead of segmentation: GeoJSON, \
          ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt; relative to this file.",
-        Kind::File {
+        ValueKind::File {
             endings: OUTLINE_ENDINGS,
             words: &[],
             example: "cell.roi",

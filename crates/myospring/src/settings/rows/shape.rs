@@ -3,11 +3,11 @@
 use super::super::bounds::{Bounds, Whole};
 use super::super::problem::Problem;
 use super::super::run::Run;
-use super::super::setting::{Kind, Setting};
+use super::super::setting::{Setting, ValueKind};
 use super::super::shape::{OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Source};
 use crate::mesh::built_in;
 use crate::mesh::pixel_size::PixelSize;
-use crate::microscopy::cells::Options;
+use crate::microscopy::cells::PictureOptions;
 use crate::microscopy::segment::{Choice, LARGEST_LABEL};
 use crate::units::Dimension;
 
@@ -15,7 +15,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "shape.built_in",
         "A built-in cell.",
-        Kind::Text {
+        ValueKind::Text {
             get: |run| match run.shape.source {
                 Source::BuiltIn(cell) => Some(cell.name.to_owned()),
                 _ => None,
@@ -27,7 +27,7 @@ pub(super) const ROWS: &[Setting] = &[
         "shape.picture",
         "Picture of the cell from a microscope, or its mask: PNG, TIFF or OME-TIFF; relative to \
          this file.",
-        Kind::File {
+        ValueKind::File {
             endings: PICTURE_ENDINGS,
             words: &[],
             example: "cell.png",
@@ -36,7 +36,7 @@ pub(super) const ROWS: &[Setting] = &[
                 run.shape.source = Source::Picture(Box::new(PictureSource {
                     path,
                     outline: None,
-                    options: Options::default(),
+                    options: PictureOptions::default(),
                     choice: Choice::Largest,
                     allow_cut: false,
                 }));
@@ -47,7 +47,7 @@ pub(super) const ROWS: &[Setting] = &[
         "shape.outline",
         "Outline of the cell: GeoJSON (.geojson, .json), points in um (.csv), ImageJ's .roi or \
          RoiSet .zip, Cellpose's _outlines.txt; relative to this file.",
-        Kind::File {
+        ValueKind::File {
             endings: OUTLINE_ENDINGS,
             words: &[],
             example: "cell.geojson",
@@ -84,7 +84,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "shape.label",
         "In a label mask, the grey value of the cell.",
-        Kind::Whole {
+        ValueKind::Whole {
             bounds: Whole { minimum: 1, maximum: LARGEST_LABEL, example: 3 },
             get: |run| match run.shape.source.choice() {
                 Some(Choice::Label(label)) => Some(label),
@@ -103,7 +103,7 @@ pub(super) const ROWS: &[Setting] = &[
         "shape.any_size",
         "Accepts a cell whose size is impossible for a heart cell: longer than 400 um, shorter than 15 um, or with an area outside \
          of `min_area` to `max_area`. Such a size usually means a wrong pixel size.",
-        Kind::Flag {
+        ValueKind::Flag {
             get: |run| (!matches!(run.shape.source, Source::BuiltIn(_))).then_some(run.shape.any_size),
             set: |run, any| run.shape.any_size = any,
         },

@@ -3,7 +3,7 @@
 use super::super::bounds::{Bounds, Whole};
 use super::super::problem::Problem;
 use super::super::run::Run;
-use super::super::setting::{Kind, Setting};
+use super::super::setting::{Setting, ValueKind};
 use super::super::value::Value;
 use super::super::words::{Word, Worded, worded};
 use crate::cell::pacing::Stimulus;
@@ -29,7 +29,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "stimulus.kind",
         "A jump of the potential variable, or a pulse of current.",
-        Kind::Words {
+        ValueKind::Words {
             words: StimulusKind::WORDS,
             get: |run| moves_something(run).then(|| kind(run).word()),
             set: |run, word| {
@@ -52,7 +52,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         AMPLITUDE,
         "Size: a dimensionless number for a jump of u, a rate (\"0.5 1/ms\") for a pulse.",
-        Kind::Written {
+        ValueKind::Written {
             bounds: Some(JUMP),
             numbers: true,
             example: JUMP.example,
@@ -90,7 +90,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "stimulus.beats",
         "Number of stimuli; 0 leaves the cell at rest.",
-        Kind::Whole {
+        ValueKind::Whole {
             bounds: Whole { minimum: 0, maximum: 10_000, example: 3 },
             get: |run| Some(run.protocol.beats),
             set: |run, beats| run.protocol.beats = beats,
@@ -136,7 +136,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "stimulus.steady_state_cache",
         "Folder in which steady states are stored for other runs with the same model, parameters and pacing; empty for none.",
-        Kind::Text {
+        ValueKind::Text {
             get: |run| Some(run.steady_state_cache.clone()),
             set: |run, folder| {
                 folder.clone_into(&mut run.steady_state_cache);

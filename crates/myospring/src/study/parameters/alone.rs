@@ -3,12 +3,12 @@
 
 use super::super::{Cause, Interrupted};
 use super::course;
-use super::description::{Varied, Which, run_of};
+use super::description::{CountedBeat, Varied, run_of};
 use super::member::{Variation, VariationRow};
 use super::told::{TOLD, Timed, shown, told, unit};
 use super::traces::TraceAxes;
 use crate::cell::TensionKind;
-use crate::cell::batch::{self, BatchSettings, Beat, CellOutcome, CellSample, Paced};
+use crate::cell::batch::{self, BatchSettings, CellBeat, CellOutcome, CellSample, Paced};
 use crate::cell::solve::SolveError;
 use crate::run_file::RunFile;
 use crate::settings::Run;
@@ -20,7 +20,7 @@ pub(super) struct Wanted<'a> {
     pub(super) run: &'a RunFile,
     pub(super) varied: &'a [Varied],
     pub(super) metrics: &'a [String],
-    pub(super) beat: Which,
+    pub(super) beat: CountedBeat,
     pub(super) axes: Option<&'a TraceAxes>,
     /// The bytes of the files that cells need, by their names as written.
     pub(super) files: &'a BTreeMap<String, Vec<u8>>,
@@ -88,7 +88,7 @@ fn outcomes(
     let Some(outcomes) = follow(cells, seldom)? else { return Ok(None) };
     // A beat goes on through a stimulus that is not captured, as its samples alone show.
     let suffice = |outcome: &Result<CellOutcome, SolveError>| {
-        outcome.as_ref().map_or(true, |it| Beat::suffice(&it.beats, unit(&*run.cell)))
+        outcome.as_ref().map_or(true, |it| CellBeat::suffice(&it.beats, unit(&*run.cell)))
     };
     let again: Vec<Paced> = cells
         .iter()
@@ -150,12 +150,12 @@ impl Alone {
     }
 
     /// A metric of the beat that counts, or its mean over the beats.
-    fn of_beats(&self, beats: &[Beat], which: Which, name: &str) -> Option<f64> {
-        let value = |beat: &Beat| told(beat, name, self.scale);
+    fn of_beats(&self, beats: &[CellBeat], which: CountedBeat, name: &str) -> Option<f64> {
+        let value = |beat: &CellBeat| told(beat, name, self.scale);
         match which {
-            Which::First => value(beats.first()?),
-            Which::Last => value(beats.last()?),
-            Which::Mean => {
+            CountedBeat::First => value(beats.first()?),
+            CountedBeat::Last => value(beats.last()?),
+            CountedBeat::Mean => {
                 let values: Vec<f64> = beats.iter().filter_map(value).collect();
                 (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
             }

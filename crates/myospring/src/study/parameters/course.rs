@@ -1,6 +1,6 @@
 //! The beats of a cell without a mesh, read from its samples as those of a run are.
 
-use super::description::Which;
+use super::description::CountedBeat;
 use super::told::{Timed, unit};
 use crate::analysis::beat::Beats;
 use crate::cell::CellModel;
@@ -30,11 +30,11 @@ pub(super) fn beats(model: &dyn CellModel, protocol: &Protocol, timed: &[Timed])
 }
 
 /// The metrics of these names of the beat that counts, or their means over the beats of the train.
-pub(super) fn metrics(beats: &Beats, which: Which, names: &[String]) -> Vec<Option<f64>> {
+pub(super) fn metrics(beats: &Beats, which: CountedBeat, names: &[String]) -> Vec<Option<f64>> {
     let of = |name: &String| match which {
-        Which::First => beats.first()?.value(name),
-        Which::Last => beats.last()?.value(name),
-        Which::Mean => {
+        CountedBeat::First => beats.first()?.value(name),
+        CountedBeat::Last => beats.last()?.value(name),
+        CountedBeat::Mean => {
             let train = beats.iter().filter(|beat| !beat.is_s2());
             let values: Vec<f64> = train.filter_map(|beat| beat.value(name)).collect();
             (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)

@@ -4,11 +4,11 @@ use super::super::sampling::{Distribution, Sampler, sample};
 use super::error::ParameterStudyError;
 use super::told;
 use super::values::Values;
-use crate::cell::solve::Method;
+use crate::cell::solve::CellMethod;
 use crate::interruption::Interruption;
 use crate::measured::decoded;
 use crate::run_file::{RunFile, RunFileError};
-use crate::settings::{Models, Named, Number, Run, Value};
+use crate::settings::{Models, Named, NumericSetting, Run, Value};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
@@ -18,7 +18,7 @@ const PARAMETERS: &str = "cell.parameters";
 /// What every member is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum MemberKind {
     /// A cell that beats: electrical activity, tension and shape.
     #[default]
     Beat,
@@ -29,7 +29,7 @@ pub enum Kind {
 /// Which beat's metrics count, where a run has several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Which {
+pub enum CountedBeat {
     /// The first.
     First,
     /// The last: that of an S2, where there is one.
@@ -41,7 +41,7 @@ pub enum Which {
 
 /// A band in which a metric has to lie for a member to be kept.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Kept(
+pub struct AcceptanceBand(
     /// Least and largest value, in the metric's unit.
     pub [f64; 2],
 );
@@ -50,7 +50,7 @@ pub struct Kept(
 #[derive(Debug, Clone, PartialEq)]
 pub struct Varied {
     /// The number.
-    pub number: Number,
+    pub number: NumericSetting,
     /// How its values are distributed; `None` where a table has them.
     pub distribution: Option<Distribution>,
 }
@@ -75,7 +75,7 @@ pub struct ParameterStudy {
     /// Title, for people.
     pub title: String,
     /// What every member is.
-    pub kind: Kind,
+    pub kind: MemberKind,
     /// What all have in common.
     pub run: RunFile,
     /// What differs, by name in alphabetical order; of a table in the order of its columns.
@@ -85,9 +85,9 @@ pub struct ParameterStudy {
     /// Names of the metrics that are wanted, in order.
     pub metrics: Vec<String>,
     /// Which beat counts.
-    pub beat: Which,
+    pub beat: CountedBeat,
     /// Bands by metric.
-    pub keep: BTreeMap<String, Kept>,
+    pub keep: BTreeMap<String, AcceptanceBand>,
     /// Whether the curves of each member are kept.
     pub traces: bool,
     /// The values of each member.
@@ -112,11 +112,11 @@ struct Written {
     #[serde(default)]
     title: String,
     #[serde(default)]
-    kind: Kind,
+    kind: MemberKind,
     #[serde(default)]
     metrics: Vec<String>,
     #[serde(default)]
-    beat: Which,
+    beat: CountedBeat,
     #[serde(default)]
     run: Option<toml::Value>,
     #[serde(default)]
@@ -124,7 +124,7 @@ struct Written {
     #[serde(default)]
     sampling: Option<toml::Table>,
     #[serde(default)]
-    keep: BTreeMap<String, Kept>,
+    keep: BTreeMap<String, AcceptanceBand>,
     #[serde(default)]
     traces: Option<bool>,
 }
@@ -209,10 +209,10 @@ impl ParameterStudy {
             Some(tables) => RunFile::from_text(&toml::to_string(tables).unwrap_or_default())?,
         };
         let mut run = Self::with_usual_methods(run.knowing(models))?;
-        if written.kind == Kind::Cell && !run.has("cell.tolerance") {
+        if written.kind == MemberKind::Cell && !run.has("cell.tolerance") {
             let mut with = run.clone();
             with.set("cell.tolerance", STIFF_TOLERANCE)?;
-            if with.resolve().is_ok_and(|run| run.numerics.cell.method == Method::Stiff) {
+            if with.resolve().is_ok_and(|run| run.numerics.cell.method == CellMethod::Stiff) {
                 run = with;
             }
         }
@@ -246,7 +246,7 @@ impl ParameterStudy {
             (varied, Design::Sampled { sampler, seed }, Values::Sampled(values))
         };
         let unknown = |varied: &&Varied| varied.number.get(&base).is_none();
-        if let (Kind::Cell, Some(Varied { number, .. })) =
+        if let (MemberKind::Cell, Some(Varied { number, .. })) =
             (written.kind, varied.iter().find(unknown))
         {
             let (name, key) = (number.name().to_owned(), number.key.clone());
@@ -255,13 +255,13 @@ impl ParameterStudy {
         let mut metrics = written.metrics;
         if metrics.is_empty() {
             metrics = match written.kind {
-                Kind::Cell => {
+                MemberKind::Cell => {
                     told::metrics(&base).iter().map(|(name, _)| (*name).to_owned()).collect()
                 }
-                Kind::Beat => OF_BEATS.iter().map(|name| (*name).to_owned()).collect(),
+                MemberKind::Beat => OF_BEATS.iter().map(|name| (*name).to_owned()).collect(),
             };
         }
-        for (metric, Kept([low, high])) in &written.keep {
+        for (metric, AcceptanceBand([low, high])) in &written.keep {
             // Nothing lies within NaN.
             if low.partial_cmp(high).is_none_or(std::cmp::Ordering::is_gt) {
                 let (metric, band) = (metric.clone(), [*low, *high]);
@@ -329,12 +329,12 @@ impl ParameterStudy {
     /// # Example
     /// ```
     /// use myospring::run_file::RunFile;
-    /// use myospring::settings::Number;
+    /// use myospring::settings::NumericSetting;
     /// use myospring::study::parameters::{Common, ParameterStudy, Shard, run};
     /// use myospring::study::{Journal, Threads};
     ///
     /// let file = RunFile::from_text("numerics.integrator = \"quasi-static\"")?;
-    /// let tension = Number::named(&file.resolve()?, "peak_tension")?;
+    /// let tension = NumericSetting::named(&file.resolve()?, "peak_tension")?;
     /// let metrics = vec!["peak_shortening".to_owned()];
     /// let study = ParameterStudy::of_rows(file, vec![tension], metrics, vec![vec![20.0], vec![50.0]])?;
     /// let common = Common::new(&study, |file| std::fs::read(file))?;
@@ -344,7 +344,7 @@ impl ParameterStudy {
     /// ```
     pub fn of_rows(
         run: RunFile,
-        numbers: Vec<Number>,
+        numbers: Vec<NumericSetting>,
         metrics: Vec<String>,
         values: Vec<Vec<f64>>,
     ) -> Result<Self, ParameterStudyError> {
@@ -356,12 +356,12 @@ impl ParameterStudy {
         let varied = numbers.into_iter().map(|number| Varied { number, distribution: None });
         Ok(Self {
             title: String::new(),
-            kind: Kind::Beat,
+            kind: MemberKind::Beat,
             run,
             varied: varied.collect(),
             design: Design::Table,
             metrics,
-            beat: Which::Mean,
+            beat: CountedBeat::Mean,
             keep: BTreeMap::new(),
             traces: false,
             values: Values::Table(values),
@@ -388,7 +388,7 @@ impl ParameterStudy {
 fn varied(written: &toml::Table, base: &Run) -> Result<Vec<Varied>, ParameterStudyError> {
     let mut all: Vec<Varied> = Vec::new();
     for (name, value) in written {
-        let number = Number::named(base, name)?;
+        let number = NumericSetting::named(base, name)?;
         if all.iter().any(|other| other.number == number) {
             return Err(ParameterStudyError::Twice { key: number.key });
         }
@@ -447,7 +447,7 @@ fn rows_of_table(
     let header = reader.headers().map_err(|error| wrong(error.to_string()))?.clone();
     let mut varied: Vec<Varied> = Vec::new();
     for name in &header {
-        let number = Number::named(base, name)?;
+        let number = NumericSetting::named(base, name)?;
         if varied.iter().any(|other| other.number == number) {
             return Err(ParameterStudyError::Twice { key: number.key });
         }
@@ -487,7 +487,7 @@ pub(super) fn run_of(
 }
 
 /// Puts a value of a number, in its unit, into a run file.
-fn write(number: &Number, file: &mut RunFile, value: f64) -> Result<(), RunFileError> {
+fn write(number: &NumericSetting, file: &mut RunFile, value: f64) -> Result<(), RunFileError> {
     let Some(parameter) = number.parameter() else {
         return file.set(&number.key, number.written(value));
     };

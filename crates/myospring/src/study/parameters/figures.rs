@@ -8,8 +8,9 @@ use super::member::VariationRow;
 use super::traces::TRACES;
 use super::work::Common;
 use crate::output::figure::{
-    Bar, Distribution, Figure, FigureError, Numbers, QUANTILES, Ranking, Response, ResponseMap,
-    Scatter, TraceBand, distributions, rankings, response_map, responses, scatter, trace_bands,
+    Bar, Distribution, Figure, FigureError, MemberResponse, Numbers, QUANTILES, Ranking,
+    ResponseMap, Scatter, TraceBand, distributions, rankings, response_map, responses, scatter,
+    trace_bands,
 };
 use crate::output::npy::Records;
 use std::borrow::Cow;
@@ -80,13 +81,13 @@ impl Answer<'_> {
                 add("response".to_owned(), response_map(&map));
             }
             Some(Sampler::Grid { .. }) if moving.len() == 1 => {
-                let curves: Vec<Response> =
+                let curves: Vec<MemberResponse> =
                     there.iter().map(|&at| self.response(moving[0], at, &members)).collect();
                 add("response".to_owned(), responses(&curves));
             }
             Some(Sampler::OneAtATime { levels }) => {
                 for &at in &there {
-                    let curves: Vec<Response> = moving
+                    let curves: Vec<MemberResponse> = moving
                         .iter()
                         .zip(0..)
                         .map(|(&column, place)| {
@@ -225,11 +226,11 @@ impl Answer<'_> {
         order.into_iter().take(PARAMETERS).map(|(_, numbers)| numbers.clone()).collect()
     }
 
-    fn response(&self, column: usize, metric: usize, rows: &[&VariationRow]) -> Response {
+    fn response(&self, column: usize, metric: usize, rows: &[&VariationRow]) -> MemberResponse {
         let value = |row: &&VariationRow| row.metrics.get(metric).copied().flatten();
         let point = |row: &&VariationRow| [self.value(row, column), value(row).unwrap_or(f64::NAN)];
         let usual = self.study.run.resolve().ok();
-        Response {
+        MemberResponse {
             parameter: label(&self.study.varied[column]),
             metric: self.metric(metric, &[]).label,
             points: rows.iter().map(point).collect(),

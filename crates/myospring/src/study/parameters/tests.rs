@@ -1,15 +1,15 @@
 //! Small studies whose answers are known.
 
-use super::super::{Journal, Observer, Row as _, Status, Threads};
+use super::super::{Journal, Row as _, Status, StudyObserver, Threads};
 use super::{
     Answer, Common, ParameterStudy, Ranked, Shard, TRACES, Values, Variation, VariationRow, run,
     run_members,
 };
-use crate::cell::solve::{Settings, solve};
+use crate::cell::solve::{SolverSettings, solve};
 use crate::interruption::Interruption;
 use crate::output::npy::Records;
 use crate::run_file::RunFile;
-use crate::settings::Number;
+use crate::settings::NumericSetting;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -85,7 +85,7 @@ fn cells_of_tor_ord_beat_side_by_side_as_each_does_alone() {
     assert_eq!(common.axes.as_ref().unwrap().quantities.len(), 3);
     for row in [&whole[0], &whole[7]] {
         let run = study.run_of(&study.values.of(row.member).unwrap()).unwrap().resolve().unwrap();
-        let settings = Settings { tolerance: 1e-6, ..run.numerics.cell };
+        let settings = SolverSettings { tolerance: 1e-6, ..run.numerics.cell };
         let trace = solve(&*run.cell, run.protocol, settings, 500.0, 0.5).unwrap();
         let near = |name, expected: f64, by: f64| {
             let found = named(row, name);
@@ -287,7 +287,7 @@ fn rows_of_somebody_elses_have_any_metric_of_the_run_as_the_mean_over_its_beats(
          stimulus.cycle_length = \"500 ms\"",
     );
     let file = file.unwrap();
-    let tension = Number::named(&file.resolve().unwrap(), "peak_tension").unwrap();
+    let tension = NumericSetting::named(&file.resolve().unwrap(), "peak_tension").unwrap();
     let metrics = ["peak_shortening", "active_work"];
     let of_rows = |values: Vec<Vec<f64>>| {
         let metrics = metrics.map(str::to_owned).to_vec();
@@ -341,7 +341,7 @@ fn rows_from_elsewhere_are_those_of_the_study_itself() {
 /// Stops the study once it has been asked this many times whether to go on.
 struct For(Arc<AtomicUsize>);
 
-impl Observer<Variation> for For {
+impl StudyObserver<Variation> for For {
     fn interruption(&self) -> Interruption {
         let left = Arc::clone(&self.0);
         let less = |left: usize| left.checked_sub(1);

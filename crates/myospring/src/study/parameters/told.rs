@@ -1,6 +1,6 @@
 //! What is told of cells without a mesh: their metrics and what curves show of them, as their models have it.
 
-use crate::cell::batch::{Beat, CellSample};
+use crate::cell::batch::{CellBeat, CellSample};
 use crate::cell::{CellModel, Input, TensionKind};
 use crate::settings::Run;
 
@@ -62,7 +62,7 @@ pub(super) fn metrics(run: &Run) -> Vec<(&'static str, &'static str)> {
 }
 
 /// A metric that beats tell without samples; `scale` is in kPa per unit of their tension.
-pub(super) fn told(beat: &Beat, name: &str, scale: f64) -> Option<f64> {
+pub(super) fn told(beat: &CellBeat, name: &str, scale: f64) -> Option<f64> {
     match name {
         "peak_tension" => Some(scale * beat.peak_tension),
         "time_to_peak_tension" => Some(beat.peak_tension_ms - beat.stimulus_ms),

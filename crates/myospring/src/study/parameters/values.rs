@@ -1,13 +1,13 @@
 //! The values in which members differ.
 
-use super::super::sampling::Sample;
+use super::super::sampling::ParameterSample;
 use std::borrow::Cow;
 
 /// The values of all members: one row a member, one column a varied number.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
     /// Rows of a design, each made when it is asked for.
-    Sampled(Sample),
+    Sampled(ParameterSample),
     /// Rows that somebody else has made.
     Table(Vec<Vec<f64>>),
 }

@@ -2,7 +2,7 @@
 
 use super::super::{Cause, Interrupted, Journal, StudyError};
 use super::alone::{self, Wanted};
-use super::description::{Kind, ParameterStudy, Varied, Which, run_of};
+use super::description::{CountedBeat, MemberKind, ParameterStudy, Varied, run_of};
 use super::error::ParameterStudyError;
 use super::member::{Variation, VariationRow};
 use super::shard::Shard;
@@ -26,11 +26,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// What all members of a study have in common, made once.
 pub struct Common {
-    kind: Kind,
+    kind: MemberKind,
     run: RunFile,
     varied: Vec<Varied>,
     metrics: Vec<String>,
-    beat: Which,
+    beat: CountedBeat,
     files: BTreeMap<String, Vec<u8>>,
     /// Units of the metrics, in their order.
     pub units: Vec<&'static str>,
@@ -92,8 +92,8 @@ impl Common {
         let usual = common.varied.iter().map(|varied| varied.number.get(&run).unwrap_or(f64::NAN));
         let usual = Variation::new(0, usual.collect());
         let row = match common.kind {
-            Kind::Cell => common.cells(&[&usual], &study.interruption).remove(0),
-            Kind::Beat => common.beat(None, &study.interruption),
+            MemberKind::Cell => common.cells(&[&usual], &study.interruption).remove(0),
+            MemberKind::Beat => common.beat(None, &study.interruption),
         };
         let (row, curves) = row.map_err(|error| ParameterStudyError::Base(error.to_string()))?;
         (common.usual, common.usual_curves) = (row.metrics, curves);
@@ -114,8 +114,8 @@ impl Common {
         let at_rest = run.cell.initial_state();
         let in_mv = run.cell.membrane_potential_mv(&at_rest).is_some();
         let quantities = match study.kind {
-            Kind::Cell => told::quantities(&*run.cell),
-            Kind::Beat => of_runs(&run),
+            MemberKind::Cell => told::quantities(&*run.cell),
+            MemberKind::Beat => of_runs(&run),
         };
         let mut common = Self {
             kind: study.kind,
@@ -135,7 +135,7 @@ impl Common {
             body: None,
         };
         let units: Vec<(&str, &str)> = match study.kind {
-            Kind::Cell => {
+            MemberKind::Cell => {
                 common.check_cells(&run)?;
                 let files = Mutex::new(BTreeMap::new());
                 let driven = run.driven(|path| {
@@ -148,7 +148,7 @@ impl Common {
                 common.files = files.into_inner().unwrap_or_else(PoisonError::into_inner);
                 told::metrics(&run)
             }
-            Kind::Beat => {
+            MemberKind::Beat => {
                 // A metric that this cell does not have is one that none of its beats shows.
                 known(in_mv).iter().map(|metric| (metric.name, metric.unit)).collect()
             }
@@ -162,7 +162,7 @@ impl Common {
             })
         };
         common.units = study.metrics.iter().map(unit).collect::<Result<_, _>>()?;
-        if study.kind == Kind::Beat {
+        if study.kind == MemberKind::Beat {
             common.share(&run, read, shaped)?;
         }
         Ok(common)
@@ -268,7 +268,7 @@ impl Common {
     }
 
     /// What every member is.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> MemberKind {
         self.kind
     }
 
@@ -336,8 +336,8 @@ impl Common {
         interruption: &Interruption,
     ) -> Vec<Result<VariationRow, Cause>> {
         let done = match self.kind {
-            Kind::Cell => self.cells(members, interruption),
-            Kind::Beat => {
+            MemberKind::Cell => self.cells(members, interruption),
+            MemberKind::Beat => {
                 members.iter().map(|member| self.beat(Some(member), interruption)).collect()
             }
         };
@@ -431,10 +431,10 @@ impl Common {
     fn of_beats(&self, beats: &Beats) -> Vec<Option<f64>> {
         let whole = |name: &str| beats.energy.iter().find(|metric| metric.name == name);
         let of = |name: &String| match (self.beat, whole(name)) {
-            (Which::Mean, _) => beats.mean(name),
+            (CountedBeat::Mean, _) => beats.mean(name),
             (_, Some(metric)) => metric.value,
-            (Which::First, None) => beats.first()?.value(name),
-            (Which::Last, None) => beats.last()?.value(name),
+            (CountedBeat::First, None) => beats.first()?.value(name),
+            (CountedBeat::Last, None) => beats.last()?.value(name),
         };
         self.metrics.iter().map(of).collect()
     }

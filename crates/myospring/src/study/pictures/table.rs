@@ -3,7 +3,7 @@
 use super::Picture;
 use crate::measured::decoded;
 use crate::parameter::nearest;
-use crate::settings::{Kind, Setting, Value, table};
+use crate::settings::{Setting, Value, ValueKind, table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -121,7 +121,7 @@ fn missing(places: &[String]) -> String {
 
 /// A setting that a line of a table gives.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Given {
+pub struct TableSetting {
     /// Key of the setting.
     pub key: &'static str,
     /// Its value.
@@ -181,7 +181,7 @@ fn unit(setting: &Setting) -> &'static str {
 /// Settings that may be columns.
 fn settings() -> impl Iterator<Item = &'static Setting> {
     table().filter(|setting| {
-        !NO_COLUMNS.contains(&setting.key) && !matches!(setting.kind, Kind::Named { .. })
+        !NO_COLUMNS.contains(&setting.key) && !matches!(setting.kind, ValueKind::Named { .. })
     })
 }
 
@@ -294,7 +294,7 @@ struct Line {
     number: u64,
     file: Option<String>,
     group: Option<String>,
-    given: Vec<Given>,
+    given: Vec<TableSetting>,
     /// Other files, each with its column.
     files: Vec<(PathBuf, String)>,
 }
@@ -326,7 +326,7 @@ impl Line {
                     self.files.push((place, name.to_owned()));
                 }
                 let (line, column) = (self.number, name.to_owned());
-                self.given.push(Given { key: setting.key, value, line, column });
+                self.given.push(TableSetting { key: setting.key, value, line, column });
             }
         }
     }
@@ -342,17 +342,17 @@ impl Line {
 /// A value as an option takes it; a bare number has the internal unit.
 fn read(setting: &Setting, text: &str, decimal_commas: bool) -> Value {
     match setting.kind {
-        Kind::Flag { .. } => match text.to_lowercase().as_str() {
+        ValueKind::Flag { .. } => match text.to_lowercase().as_str() {
             "true" | "yes" | "1" => Value::Flag(true),
             "false" | "no" | "0" => Value::Flag(false),
             _ => Value::from(text),
         },
         // Spreadsheets write 2.0 where 2 was meant.
-        Kind::Whole { .. } => match text.parse::<f64>() {
+        ValueKind::Whole { .. } => match text.parse::<f64>() {
             Ok(number) if number.fract() == 0.0 => Value::Whole(number as i64),
             _ => Value::from(text),
         },
-        Kind::Quantity { .. } => {
+        ValueKind::Quantity { .. } => {
             let text = if decimal_commas { text.replacen(',', ".", 1) } else { text.to_owned() };
             match (text.parse::<f64>(), unit(setting)) {
                 (Ok(number), "") => Value::Number(number),

@@ -43,7 +43,7 @@ fn among_more_artefacts_than_beats_the_beats_are_found_or_it_is_said_that_they_c
                         let places = faults.lay(times, &mut signal, &mut random);
                         let [level, size] = scale(kind);
                         let values: Vec<f64> = signal.iter().map(|v| level + size * v).collect();
-                        let found = analyse(times, &values, kind, "", &Options::default());
+                        let found = analyse(times, &values, kind, "", &CurveOptions::default());
                         let all = found.as_ref().map(tops).unwrap_or_default();
                         let treatment = found.as_ref().map(|found| &found.treatment).ok();
                         let is_listed = |[from, to]: &&[f64; 2]| {

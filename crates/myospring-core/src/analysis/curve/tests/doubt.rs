@@ -20,7 +20,7 @@ fn the_kind_fixes_the_direction_whatever_the_curve_looks_like() {
             length((t / 60.0).min((750.0 - t) / 60.0).clamp(0.0, 1.0))
         })
         .collect();
-    let of = |kind| analyse(&times, &values, kind, "um", &Options::default()).unwrap();
+    let of = |kind| analyse(&times, &values, kind, "um", &CurveOptions::default()).unwrap();
     assert!(of(Kind::Unknown).treatment.rises);
     let found = of(Kind::Length);
     assert!(!found.treatment.rises);
@@ -37,7 +37,7 @@ fn one_beat_that_fills_its_recording_raises_no_doubt_about_its_kind() {
         .iter()
         .map(|t| 12.0 * ((t - 20.0) / 100.0).min((590.0 - t) / 60.0).clamp(0.0, 1.0))
         .collect();
-    let found = analyse(&times, &values, Kind::Shortening, "%", &Options::default()).unwrap();
+    let found = analyse(&times, &values, Kind::Shortening, "%", &CurveOptions::default()).unwrap();
     assert_eq!(found.beats.len(), 1);
     let remarks = found.remarks.join("; ");
     assert!(!remarks.contains("is its kind right"), "{remarks}");
@@ -58,7 +58,7 @@ fn noise_that_goes_on_for_some_frames_is_no_beats() {
                     noise = memory * noise + (1.0_f64 - memory * memory).sqrt() * random.normal();
                     signal.push(length(height + size * noise));
                 }
-                let found = analyse(&times, &signal, Kind::Length, "um", &Options::default());
+                let found = analyse(&times, &signal, Kind::Length, "um", &CurveOptions::default());
                 let found = found.unwrap();
                 let case = format!("{rate} /s, memory {memory}, noise {size}");
                 assert_eq!(found.beats.len(), 20, "{case}");
@@ -86,7 +86,7 @@ fn light_that_flickers_more_than_a_beat_is_high_is_no_beats() {
                 0.86 + 0.044 * height + flicker + 12.0 * flicker.max(0.0).powi(2)
             })
             .collect();
-        let options = Options::default();
+        let options = CurveOptions::default();
         let found = analyse(&times, &values, Kind::CalciumRatio, "", &options).unwrap();
         assert!((5..=6).contains(&found.beats.len()), "seed {seed}: {} beats", found.beats.len());
         let interval = found.mean("interval").unwrap();
@@ -107,7 +107,7 @@ fn artefacts_as_many_as_beats_are_called_what_cannot_be_told() {
             signal[at..at + frames].iter_mut().for_each(|value| *value += height);
         }
         let values: Vec<f64> = signal.into_iter().map(length).collect();
-        let found = analyse(&times, &values, Kind::Length, "um", &Options::default()).unwrap();
+        let found = analyse(&times, &values, Kind::Length, "um", &CurveOptions::default()).unwrap();
         found.remarks.join("; ").contains("look at the figure")
     };
     assert!(of(20, 8, 20.0));

@@ -157,7 +157,7 @@ fn artefacts_cost_at_most_the_beats_that_they_touch() {
                         let places = faults.lay(times, &mut signal, &mut random);
                         let [level, size] = scale(kind);
                         let values: Vec<f64> = signal.iter().map(|v| level + size * v).collect();
-                        let found = analyse(times, &values, kind, "", &Options::default());
+                        let found = analyse(times, &values, kind, "", &CurveOptions::default());
                         let tops = found.as_ref().map(tops).unwrap_or_default();
                         let is_listed = |[from, to]: &&[f64; 2]| {
                             found.as_ref().is_ok_and(|found| {
@@ -246,7 +246,7 @@ fn clean_curves_have_no_artefacts() {
                                     * (beat(*t) + noise * random.normal() + 0.1 * (t / 3e3).sin())
                         })
                         .collect();
-                    let found = analyse(&times, &values, kind, "", &Options::default());
+                    let found = analyse(&times, &values, kind, "", &CurveOptions::default());
                     let case = format!("{kind:?}, {rate} /s, {beats} beats, {rhythm}");
                     let found = found.unwrap_or_else(|error| panic!("{case}: {error}"));
                     assert_eq!(found.treatment.artefacts, [], "{case}");
@@ -278,7 +278,8 @@ fn a_stretch_in_which_the_cell_was_lost_is_cut_out_and_the_other_beats_stay() {
             120.0 - 12.0 * if lost { garbage(walk, noise) } else { beat + 0.01 * noise }
         });
         let values: Vec<f64> = values.collect();
-        let found = analyse(&recording.times, &values, Kind::Length, "um", &Options::default());
+        let found =
+            analyse(&recording.times, &values, Kind::Length, "um", &CurveOptions::default());
         let found = found.unwrap();
         assert_eq!(found.beats.len(), 48, "{what}");
         let long: Vec<&Artefact> =
@@ -311,7 +312,7 @@ fn stimuli_own_the_beats_that_begin_after_them_and_find_low_ones() {
     });
     let values: Vec<f64> = values.collect();
     let of = |stimuli_ms: Vec<f64>| {
-        let options = Options { stimuli_ms, ..Options::default() };
+        let options = CurveOptions { stimuli_ms, ..CurveOptions::default() };
         analyse(&recording.times, &values, Kind::Length, "um", &options).unwrap()
     };
     assert_eq!(of(Vec::new()).beats.len(), 12);

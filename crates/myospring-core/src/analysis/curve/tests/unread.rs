@@ -1,7 +1,7 @@
 //! What must not be measured: values that no curve of a kind has, metrics across missing frames, times before a stimulus.
 
 use super::{exponential, frames, half_sine, triangle};
-use crate::analysis::curve::{Analysis, CurveError, Options, State, analyse};
+use crate::analysis::curve::{Analysis, CurveError, CurveOptions, State, analyse};
 use crate::analysis::kind::Kind;
 use crate::analysis::tests::Noise;
 use crate::analysis::{Missing, value};
@@ -23,7 +23,7 @@ fn analysed(
     kind: Kind,
     unit: &'static str,
 ) -> Result<Analysis, CurveError> {
-    analyse(times, values, kind, unit, &Options::default())
+    analyse(times, values, kind, unit, &CurveOptions::default())
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn a_metric_is_a_finite_value_or_a_reason_and_no_time_counts_backward() {
         };
         let values: Vec<f64> = times.iter().map(value_at).collect();
         let stimuli_ms = if seed % 3 == 0 { vec![300.0, 1300.0, 2300.0] } else { Vec::new() };
-        let options = Options { stimuli_ms, ..Options::default() };
+        let options = CurveOptions { stimuli_ms, ..CurveOptions::default() };
         for kind in [Kind::Contraction, Kind::Force, Kind::Fluorescence, Kind::Potential] {
             let Ok(found) = analyse(&times, &values, kind, "a.u.", &options) else { continue };
             for metric in found.beats.iter().flat_map(|beat| &beat.metrics) {
@@ -186,13 +186,13 @@ fn a_stimulus_whose_beat_may_lie_in_a_hole_says_so() {
     let values: Vec<f64> = times.iter().map(height).collect();
     let (t, v) = without(&times, &values, 2200.0, 2700.0);
     let stimuli_ms = (0..6).map(|beat| 240.0 + 1000.0 * f64::from(beat)).collect();
-    let options = Options { stimuli_ms, ..Options::default() };
+    let options = CurveOptions { stimuli_ms, ..CurveOptions::default() };
     let found = analyse(&t, &v, Kind::Force, "nN", &options).unwrap();
     assert_eq!(found.beats[2].state, State::Missed);
     assert!(
         found.beats[2].remarks[0].contains("the gap in the times from 2200 to 2700 ms may hide it")
     );
-    let free = analyse(&t, &v, Kind::Force, "nN", &Options::default()).unwrap();
+    let free = analyse(&t, &v, Kind::Force, "nN", &CurveOptions::default()).unwrap();
     assert_eq!(free.beats.len(), 5);
     let interval = free.beats[2].metrics.iter().find(|row| row.name == "interval").unwrap();
     assert_eq!(interval.missing, Some(Missing::Hidden));

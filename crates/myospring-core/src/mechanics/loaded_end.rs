@@ -1,4 +1,4 @@
-//! A loaded grip: the end of a cell that shortens against a constant load.
+//! A loaded end: the end of a cell that shortens against a constant load.
 //!
 //! The nodes of the end move together along the axis and not across it, as on the plate of a force transducer: each is
 //! tied to the mean displacement of all by a spring far stiffer than the cell. The load acts on that mean:
@@ -22,7 +22,7 @@ const STIFFER: f64 = 100.0;
 
 /// The gripped nodes of the upper end, and the load on them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LoadedGrip {
+pub struct LoadedEnd {
     nodes: Vec<usize>,
     /// Their positions at the stop, um.
     stop: Vec<[f64; 2]>,
@@ -33,7 +33,7 @@ pub struct LoadedGrip {
     load: f64,
 }
 
-impl LoadedGrip {
+impl LoadedEnd {
     /// A grip at the upper end of a mesh whose long axis is the unit vector `axis`, with its stop
     /// at `positions` (um), under a load in nN that pulls it outward; `spring` is the stiffness of
     /// an axial spring, nN/um.
@@ -56,7 +56,7 @@ impl LoadedGrip {
     }
 }
 
-impl Force for LoadedGrip {
+impl Force for LoadedEnd {
     fn name(&self) -> &'static str {
         "loaded grip"
     }
