@@ -136,7 +136,7 @@ impl FibreDirection {
     /// let mesh = lattice::rectangle(20, 4, 5.0).unwrap();
     /// // Without a picture the long axis is all that there is.
     /// let fibres = FibreDirection::Auto(Asked::default()).on(&mesh, None)?;
-    /// assert_eq!(fibres.taken, Fibre::LongAxis);
+    /// assert_eq!(fibres.taken, FibreDirection::LongAxis);
     /// assert_eq!(fibres.directions, vec![[1.0, 0.0]; mesh.simplices.len()]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
