@@ -348,7 +348,10 @@ fn split_number(text: &str) -> (&str, &str) {
 /// assert_eq!(format(0.27, Dimension::Length), "0.27 um");
 /// ```
 pub fn format(value: f64, dimension: Dimension) -> String {
-    format!("{value} {}", dimension.unit()).trim_end().to_owned()
+    // `Debug` takes an exponent where the decimals would be many.
+    let number = format!("{value:?}");
+    let number = number.strip_suffix(".0").unwrap_or(&number);
+    format!("{number} {}", dimension.unit()).trim_end().to_owned()
 }
 
 #[cfg(test)]

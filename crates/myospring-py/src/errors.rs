@@ -45,7 +45,9 @@ fn advice(problem: &Problem) -> Option<String> {
         Problem::NotAMultiple { unit, .. } => {
             format!("give a multiple of {unit} ms, or change that one too")
         }
-        Problem::TooMany { .. } => "give a longer interval or a shorter run".to_owned(),
+        Problem::TooMany { .. } => {
+            "give a longer interval, fewer beats or a shorter duration".to_owned()
+        }
         Problem::Parameter(_) | Problem::Parameters(_) => {
             "myospring.parameters(model) lists the parameters with their ranges".to_owned()
         }

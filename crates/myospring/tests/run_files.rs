@@ -13,6 +13,9 @@ use myospring::settings::Value;
 use myospring::simulation::Simulation;
 use std::path::{Path, PathBuf};
 
+#[path = "run_files/extremes.rs"]
+mod extremes;
+
 fn files(folder: &str) -> Vec<(PathBuf, String)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut files: Vec<_> = std::fs::read_dir(folder)

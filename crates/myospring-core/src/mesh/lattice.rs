@@ -72,7 +72,7 @@ pub enum LatticeError {
     },
     /// Too many masses.
     #[error(
-        "spacing {spacing} um would give about {masses:.1e} masses, more than {bound}; give more than \
+        "spacing {spacing:?} um would give about {masses:.1e} masses, more than {bound}; give more than \
          {smallest:.2} um, or leave it out for {default} um"
     )]
     TooFine {
@@ -231,14 +231,16 @@ pub fn rectangle(columns: usize, rows: usize, spacing: f64) -> Result<Mesh, Latt
     }
     let masses = (columns as f64 + 1.0) * (rows as f64 + 1.0);
     if masses > MOST_MASSES as f64 {
-        return Err(too_fine(spacing, masses, 1.0));
+        return Err(too_fine(spacing, |at| masses * (spacing / at).powi(2), 1.0));
     }
     let grid = Grid { spacing, origin: [0.0; 2], columns, rows };
     Ok(from_squares(&grid, &vec![true; columns * rows])?)
 }
 
-fn too_fine(spacing: f64, masses: f64, default: f64) -> LatticeError {
-    let smallest = spacing * (masses / MOST_MASSES as f64).sqrt();
+fn too_fine(spacing: f64, masses: impl Fn(f64) -> f64, default: f64) -> LatticeError {
+    let smallest = default * (masses(default) / MOST_MASSES as f64).sqrt();
+    // A spacing near 0 would give more masses than a number can say.
+    let masses = masses(spacing).min(f64::MAX);
     LatticeError::TooFine { spacing, masses, bound: MOST_MASSES, smallest, default }
 }
 
@@ -293,15 +295,12 @@ fn check_spacing(shape: &Shape, spacing: Option<f64>) -> Result<f64, LatticeErro
     if given && spacing > bound * (1.0 + 1e-9) {
         return Err(LatticeError::TooCoarse { spacing, bound, width: shape.width, default });
     }
-    let masses = shape.area / (spacing * spacing);
     let [low, high] = shape.bounds;
-    let squares = (high[0] - low[0]) * (high[1] - low[1]) / (spacing * spacing);
-    if masses > MOST_MASSES as f64 || squares > MOST_SQUARES {
-        return Err(too_fine(
-            spacing,
-            masses.max(squares * MOST_MASSES as f64 / MOST_SQUARES),
-            default,
-        ));
+    let box_area = (high[0] - low[0]) * (high[1] - low[1]);
+    let area = shape.area.max(box_area * MOST_MASSES as f64 / MOST_SQUARES);
+    let masses = |at: f64| area / (at * at);
+    if masses(spacing) > MOST_MASSES as f64 {
+        return Err(too_fine(spacing, masses, default));
     }
     Ok(spacing)
 }

@@ -188,9 +188,14 @@ impl Simulation {
                 "the output interval",
                 output,
                 MOST_SAMPLES,
-                "so long that there are at most 5e6 samples",
+                "so long that there are at most 5e6 samples; or take fewer beats or a shorter duration",
             ),
-            ("the frame interval", frame, MOST_FRAMES, "so long that there are at most 1e5 shapes"),
+            (
+                "the frame interval",
+                frame,
+                MOST_FRAMES,
+                "so long that there are at most 1e5 shapes; or take fewer beats or a shorter duration",
+            ),
         ] {
             if self.duration / interval > most {
                 return Err(SettingError::Value { what, value: interval, unit: "ms", must });

@@ -112,7 +112,9 @@ pub enum Problem {
         unit: f64,
     },
     /// Too much to record.
-    #[error("`{key}` = {value} ms would record {count:.0} {what}, more than {most:.0}")]
+    #[error(
+        "`{key}` = {value} ms would record {count:.0} {what}, more than {most:.0}, in all beats of the run"
+    )]
     TooMany {
         /// The interval's key.
         key: &'static str,
@@ -214,7 +216,9 @@ impl Problem {
             Self::NotAMultiple { unit, .. } => {
                 Some(format!("give a multiple of {unit} ms, or change that one too"))
             }
-            Self::TooMany { .. } => Some("give a longer interval or a shorter run".to_owned()),
+            Self::TooMany { .. } => {
+                Some("give a longer interval, fewer beats or a shorter duration".to_owned())
+            }
             Self::Ending { known, .. } => Some(format!("files that are read: {known}")),
             Self::Model(_) => Some("`myospring models` lists the cell models".to_owned()),
             Self::Parameter(_) | Self::Parameters(_) => {

@@ -81,6 +81,15 @@ pub enum PathError {
         /// Where the cell gives way.
         place: Option<WeakPlace>,
     },
+    /// There is no stable shape before the cell pulls.
+    #[error(
+        "the cell has no stable shape before it pulls{}: its support or its load is too much for it; bring end_stretch \
+         nearer to 1, lower the afterload, or raise Young's modulus", words(place.as_ref())
+    )]
+    AtRest {
+        /// Where the cell gives way.
+        place: Option<WeakPlace>,
+    },
     /// No equilibrium was found.
     #[error(
         "no equilibrium was found beyond {tension:.4} kPa (tried {beyond:.4} kPa): the forces are too \
