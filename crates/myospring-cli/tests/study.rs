@@ -247,6 +247,33 @@ fn thousands_of_cells_give_the_same_bits_after_kills_in_parts_and_on_other_threa
 }
 
 #[test]
+fn a_sequence_made_longer_or_shorter_keeps_the_members_that_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    // The points of this sequence do not depend on their number.
+    let sequence = POPULATION.replace("latin-hypercube", "sobol-sequence");
+    for (name, size) in [("small.toml", "size = 40"), ("large.toml", "size = 100")] {
+        fs::write(path.join(name), sequence.replace("size = 2000", size)).unwrap();
+    }
+    let run = |study: &str, results: &str| {
+        text(&myospring(path, &["study", "run", study, "-o", results]).stderr)
+    };
+    let files = |results: &str| {
+        ["members.csv", "members.parquet", "study.json"]
+            .map(|file| fs::read(path.join(results).join(file)).unwrap())
+    };
+    run("small.toml", "small");
+    run("large.toml", "large");
+    run("small.toml", "changing");
+    let said = run("large.toml", "changing");
+    assert!(said.contains("40 of 100 members are done"), "{said}");
+    assert!(files("changing") == files("large"), "grown");
+    let said = run("small.toml", "changing");
+    assert!(said.contains("40 of 40 members are done"), "{said}");
+    assert!(files("changing") == files("small"), "made smaller");
+}
+
+#[test]
 fn response_curves_are_drawn_for_grids_and_for_one_parameter_at_a_time() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
