@@ -195,8 +195,8 @@ def main(folder, reference=None):
     ]
     table.append(
         rows.difference(
-            f"lattice of {len(case['masses'])} masses with drag, LAMMPS's fix viscous as it is: order at which both "
-            f"agree (apart by {distances[0]:.1e} of the spacing after {case['runs'][0]['steps']} steps, "
+            f"lattice of {len(case['masses'])} masses with drag, LAMMPS's fix viscous unchanged: order of convergence to "
+            f"each other (difference {distances[0]:.1e} of the spacing after {case['runs'][0]['steps']} steps, "
             f"{distances[-1]:.1e} at a quarter of the step)",
             f"{program}, bond harmonic, fix viscous",
             math.log2(distances[-2] / distances[-1]),

@@ -55,7 +55,7 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
     finer.numerics.time_step = outcome.effort.time_step().map(|step| 0.5 * step);
     Ok(vec![
         Row::difference(
-            "default beat: work of the active force less energy stored, moving and dissipated",
+            "default beat: work of the active force minus stored, kinetic and dissipated energy",
             "first law of thermodynamics",
             imbalance(&outcome.recording.samples),
             1e-3,
@@ -68,7 +68,7 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
             (with_mass(0.5)? / default - 1.0).abs(),
             1e-3,
             "",
-            "the mass is numerical, so the answer may not depend on it",
+            "the mass is numerical, so the result must not depend on it",
         ),
         Row::difference(
             "default beat: peak shortening with a quarter of the mass",

@@ -143,10 +143,10 @@ pub fn rows(_: &Setting<'_>) -> Result<Vec<Row>, Failure> {
             largest / SPAN,
             1e-10,
             "of the span",
-            "what drag leaves of the motion after 200 ms, and rounding",
+            "motion not yet damped by drag after 200 ms, and rounding",
         ),
         Row::about(
-            "hanging chain: order at which its sag nears that of a continuous cable",
+            "hanging chain: order of convergence of its sag to that of a continuous cable",
             "elastic catenary (Irvine 1981, section 1.3)",
             slope(&steps, &sags),
             2.0,

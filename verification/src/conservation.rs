@@ -107,7 +107,7 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
             wander,
             5e-3,
             "of the energy",
-            "the energy that the method keeps differs by so much at most for the fastest vibration",
+            "the energy that the method conserves differs by at most this for the fastest vibration",
         ));
         rows.push(Row::difference(
             format!("{name}: drift of the energy over the run"),

@@ -265,12 +265,12 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
             format!("both follow the tension; one sample is 1 ms; {fitted}"),
         ),
         Row::difference(
-            "the same, theirs: largest difference between rise and fall at equal tension",
+            "the same of the finite elements: largest difference between rise and fall at equal tension",
             "a quasi-static twitch has none",
             hysteresis(&tensions, &theirs),
             5e-3,
             "of the peak",
-            "says that their shape is a function of tension alone, as assumed; linear between samples of 1 ms",
+            "shows that their shape depends on tension alone, as assumed; linear between samples of 1 ms",
         ),
         Row::difference(
             "the same, ours",
@@ -305,8 +305,8 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
             apart(&law, &theirs),
             0.03,
             "",
-            "two constants for a whole cell in a matrix; small against the difference above, so the material's \
-             law, not geometry, supports or time, sets the two apart",
+            "two constants for a whole cell in a matrix; small compared with the difference above, so that \
+             difference comes from the material's law, not from geometry, supports or time",
         ),
     ])
 }

@@ -12,7 +12,7 @@ use myospring::mesh::{built_in, lattice};
 use myospring::simulation::{Numerics, Simulation};
 use std::sync::Arc;
 
-const PEER: &str = "NumPy and SciPy, an independent typing of land_2017";
+const PEER: &str = "NumPy and SciPy, an independent implementation of land_2017";
 
 /// Equations, steady states and an unloaded twitch.
 ///
@@ -42,7 +42,7 @@ fn equations() -> Vec<Row> {
             "the digits of the other program",
         ),
         Row::difference(
-            "land_2017: tension there",
+            "land_2017: tension in that state",
             PEER,
             (myofilaments.tension(&state, 0.95) - 9.7704).abs(),
             5e-5,
@@ -81,7 +81,7 @@ fn steady() -> Vec<Row> {
             "half of the last digit of 82.63, 107.32 and 132.02 kPa",
         ),
         Row::difference(
-            "land_2017: calcium at half of it",
+            "land_2017: calcium at half of that tension",
             PEER,
             worst(&|(stretch, _, calcium)| (half(*stretch) / calcium - 1.0).abs()),
             1e-3,
@@ -131,13 +131,13 @@ fn twitch(quick: bool) -> Result<Vec<Row>, Failure> {
             off / peak,
             1e-3,
             "of the peak",
-            "tension and stretch are found together, so the interval may not matter",
+            "tension and stretch are solved together, so the result must not depend on the interval",
         ));
     }
     // The block of Poisson's ratio 0.49 of the other programs widens a little otherwise than the flat cell.
     rows.push(Row::about(
         "land_2017, unloaded twitch: peak shortening",
-        "two programs, a block of Poisson's ratio 0.49 that is as stiff",
+        "two programs, a block of the same stiffness with Poisson's ratio 0.49",
         peak - fine[0],
         10.12,
         0.1,

@@ -141,7 +141,7 @@ fn isometric(myofilaments: &Arc<dyn CellModel>) -> Result<Vec<Row>, Failure> {
             expected,
             2e-3 * expected,
             "kPa",
-            "calcium is that of another typing of ToR-ORd, 0.1 % off",
+            "calcium comes from another implementation of ToR-ORd, which differs by 0.1 %",
         ));
         if stretch == 1.0 {
             rows.push(Row::about(
@@ -199,22 +199,22 @@ fn against_loads(myofilaments: &Arc<dyn CellModel>) -> Result<Vec<Row>, Failure>
     }
     let most = works.iter().copied().fold(0.0, f64::max);
     rows.push(Row::about(
-        "force clamps: most work on the load, per volume, at 0.4 of the isometric force",
+        "force clamps: largest work on the load, per volume, at 0.4 of the isometric force",
         PEER,
         works[2],
         0.552,
         0.03 * 0.552,
         "kPa",
-        "as the shortening",
+        "as for the shortening",
     ));
     rows.push(Row::about(
-        "the same over the most of the five",
+        "the same over the largest of the five",
         "work is largest near half of the isometric force",
         works[2] / most,
         1.0,
         0.0,
         "",
-        "the other program has it there, too",
+        "in the other program it is largest there, too",
     ));
     rows.push(Row::about(
         "force clamps: latest end of systole",

@@ -125,7 +125,7 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
              to 0.4 px with 23 and either: it has no gradients and wanders along stripes",
         ),
         Row::about(
-            format!("{what}: how far ours goes over how far the flow goes, by their mean squares"),
+            format!("{what}: root mean square of our displacements over that of the flow"),
             AGAINST,
             ratio,
             1.0,

@@ -76,7 +76,7 @@ fn halves() -> Result<Vec<Row>, Failure> {
                 (about(&mesh, &weak, there) - about(&mesh, &alone, there)).abs(),
                 1e-4,
                 "%",
-                "what the border does dies out within a few widths (Saint-Venant)",
+                "the effect of the border decays within a few widths (Saint-Venant)",
             ))
         })
         .collect()
@@ -128,7 +128,7 @@ fn nucleus() -> Result<Vec<Row>, Failure> {
                 about(&reference.0, &reference.1, there),
                 0.2,
                 "%",
-                "the rim of the nucleus is one of squares",
+                "the rim of the nucleus consists of squares",
             ));
             let beside = |[x, y]: [f64; 2]| (x.abs() - 12.0).abs() < 1.5 && y.abs() < 1.5;
             rows.push(Row::about(
@@ -156,7 +156,7 @@ fn nucleus() -> Result<Vec<Row>, Failure> {
         off[1] / off[0],
         0.6,
         "",
-        "the rim of the nucleus converges by the first order",
+        "the rim of the nucleus converges with order 1",
     ));
     Ok(rows)
 }

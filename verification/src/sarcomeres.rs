@@ -177,7 +177,7 @@ fn same(name: &str, count: usize, found: &Pair) -> Vec<Row> {
         ),
         Row::difference(
             format!(
-                "where its sarcomeres are parallel, part of their means over 3 um more than 30 degrees off, {name}"
+                "part of its means over 3 um that differ by more than 30 degrees, where its sarcomeres are parallel, {name}"
             ),
             AGAINST,
             found.far,
@@ -191,17 +191,17 @@ fn same(name: &str, count: usize, found: &Pair) -> Vec<Row> {
             apart,
             scatter,
             "deg",
-            "theirs beside it is that between one of its sarcomeres and the mean of its own over 3 um: the join of \
-             two z-discs' centres scatters, a pixel is 5 degrees",
+            "the second number is the angle between one of its sarcomeres and its own mean over 3 um: the line \
+            between the centres of two z-discs scatters, and a pixel is 5 degrees",
         ),
         Row::about(
-            format!("of {count} sarcomeres of {name}: part where we answer"),
+            format!("of {count} sarcomeres of {name}: part for which we give a value"),
             AGAINST,
             found.answered,
             1.0,
             0.3,
             "",
-            "it also pairs dots beside the striped parts; we answer where a period stands out",
+            "it also pairs dots outside the striped parts; we give a value where there is a clear period",
         ),
     ]
 }

@@ -9,7 +9,7 @@ use myospring::cell::pacing::Protocol;
 use myospring::cell::solve::{CellMethod, SolverSettings, solve};
 
 const MYOKIT: &str = "Myokit 1.39.2 (CVODE, 1e-7) on the published CellML, 100 beats";
-const PEER: &str = "NumPy and SciPy (LSODA, 1e-7), an independent typing";
+const PEER: &str = "NumPy and SciPy (LSODA, 1e-7), an independent implementation";
 const EACH_MS: f64 = 0.25;
 
 /// Rates at the start, action potential, calcium and tension of beats.
@@ -31,7 +31,7 @@ pub fn rows(_setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
             apd90,
             0.3,
             "ms",
-            "samples, and what a beat of the train leaves",
+            "sampling, and the change from beat to beat that remains",
         ));
         for (what, found, expected) in
             [("least", found.calcium[0], calcium[0]), ("largest", found.calcium[1], calcium[1])]
@@ -57,7 +57,7 @@ pub fn rows(_setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
             Row::about(format!("{name}: {what}"), PEER, found, expected, tolerance, unit, reason)
         };
         // That program counts from the steepest rise, as the stimulus ends.
-        let reason = "the last digit, and the samples of both";
+        let reason = "the last digit, and the sampling of both";
         rows.push(about("duration at 90 %", found.apd90_ms - 0.9, apd90, 0.3, "ms", reason));
         rows.push(about(
             "largest calcium",

@@ -33,8 +33,8 @@ Checks:
   convergence      Shortening on finer and finer lattices
   lammps           A lattice in motion, mass by mass, against LAMMPS
   myokit           All sets of the minimal model, all states, against Myokit's CVODE
-  land             Myofilaments that feel length and speed, against independent programs
-  tor-ord          Action potential, calcium and tension of ToR-ORd, against Myokit's and an independent typing
+  land             Myofilaments that depend on length and speed, against independent programs
+  tor-ord          Action potential, calcium and tension of ToR-ORd, against Myokit's and an independent implementation
   loads            Held, against loads, between carbon fibres, against an independent program
   viscosity        A cell whose shape lags behind its tension, against an independent program
   parts            A weak half and a passive nucleus: strain against a closed form and a finer mesh
@@ -82,7 +82,7 @@ const CHECKS: [Check; 18] = [
     own("convergence", "Convergence with the lattice"),
     Check { name: "lammps", title: "LAMMPS", peer: Some(("lammps_check.py", "LAMMPS")) },
     Check { name: "myokit", title: "Myokit", peer: Some(("myokit_check.py", "Myokit")) },
-    own("land", "Myofilaments that feel length and speed"),
+    own("land", "Myofilaments that depend on length and speed"),
     own("tor-ord", "ToR-ORd"),
     own("loads", "A cell under load"),
     own("viscosity", "Viscosity"),

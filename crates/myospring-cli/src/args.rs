@@ -34,18 +34,18 @@ pub(crate) const OUTPUT: &str = "Output";
     name = "myospring", version, styles = STYLES, max_term_width = 100,
     arg_required_else_help = true,
     after_help = "Examples:\n  \
-        myospring run                                     beat the built-in cell\n  \
-        myospring run cell.tif --pixel-size \"0.27 um\"     beat the cell of a picture\n  \
+        myospring run                                     simulate the built-in cell\n  \
+        myospring run cell.tif --pixel-size \"0.27 um\"     simulate the cell of a picture\n  \
         myospring segment cell.tif                        only find its outline\n  \
-        myospring track film.avi --pixel-size \"0.2 um\"   follow the cell of a film\n  \
-        myospring batch pictures                          beat the cells of a whole folder\n  \
+        myospring track film.avi --pixel-size \"0.2 um\"    follow the cell of a film\n  \
+        myospring batch pictures                          simulate the cells of a whole folder\n  \
         myospring analyse cell.csv                        measure the beats of a curve\n  \
         myospring fit cell.tif --to cell.csv              find that cell's own parameters\n  \
         myospring compare results/a results/b             compare two results\n  \
         myospring init beat.toml && myospring run beat.toml\n  \
         myospring paper                                   reproduce Figs 3, 5 and 6\n\n\
         Values carry their unit: \"50 kPa\", \"1.1 um\", \"600 ms\", \"30 deg\".\n\
-        Exit codes: 0 done, 1 a run stopped early or a check failed, 2 bad input or usage, or results could\n\
+        Exit codes: 0 done, 1 a run stopped early or a check failed, 2 bad input or usage, or results could \
         not be written, 130 ended by Ctrl-C, 143 by SIGTERM."
 )]
 pub(crate) struct Cli {
@@ -59,7 +59,7 @@ pub(crate) struct Cli {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Beat a cell: curves, figures and numbers
+    /// Simulate the beat of a cell: curves, figures and numbers
     #[command(aliases = ["simulate", "beat"])]
     Run(Box<RunArgs>),
     /// Reproduce the paper's Figs 3, 5 and 6 and check every number that it states
@@ -69,7 +69,7 @@ pub(crate) enum Command {
     Segment(SegmentArgs),
     /// Follow a cell through a film: its curve of length, its stretches and sarcomeres, the motion of its points
     Track(TrackArgs),
-    /// Beat the cells of a whole folder of pictures: one row per cell
+    /// Simulate the cells of a whole folder of pictures: one row per cell
     Batch(Box<BatchArgs>),
     /// Analyse the beats of measured curves: every metric of every beat, and where it was read
     #[command(alias = "analyze")]
@@ -123,8 +123,8 @@ pub(crate) struct OutputArgs {
     myospring run --support elastic-bed --bed-stiffness \"0.5 kPa/um\"\n  \
     myospring run --outputs none --frame-interval \"2 ms\"\n  \
     myospring run beat.toml --dry-run\n\n\
-    Results: traces.csv, summary.json, fibres.csv (where the picture shows fibres), run.toml (every\n\
-    setting) and run.json (version, hashes, timings) always and first; then the outputs named by --outputs.")]
+    Results: traces.csv, summary.json, fibres.csv (where the picture shows fibres), run.toml (every \
+    setting) and run.json (version, hashes, timings), always; in addition what --outputs names.")]
 pub(crate) struct RunArgs {
     /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml);
     /// without it, the built-in adult ventricular cell
@@ -192,9 +192,9 @@ pub(crate) struct PaperArgs {
     which multiply the parameter by 1 + maximal_effect c^hill / (ic50^hill + c^hill).\n\
     Blocks with the same name are one drug; a [[together]] block applies several drugs at once:\n  \
     doses = [\"blocker 1 uM\", \"other 30 nM\"]\n\
-    Conductances of tor_ord_land are channels (P_Ca, G_Kr, G_Na, G_NaL, G_Ks, G_K1, G_to);\n\
+    Conductances of tor_ord_land are channels (P_Ca, G_Kr, G_Na, G_NaL, G_Ks, G_K1, G_to); \
     parameters of the minimal models are phenomenological and not single channels.\n\n\
-    Results: report.html, figures/compared and contraction (SVG and PNG), metrics.csv,\n\
+    Results: report.html, figures/compared and contraction (SVG and PNG), metrics.csv, \
     comparison.json (settings and numbers that differ, warnings), runs/ (curves, run files).\n\
     Exit codes: 0 done, 1 a run stopped early, 2 bad input or usage.")]
 pub(crate) struct CompareArgs {
@@ -238,13 +238,13 @@ pub(crate) struct MeshArgs {
 /// `myospring segment`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
-    myospring segment cell.tif                                 look at results/cell_outline/overlay.png\n  \
-    myospring segment cell.tif --pixel-size \"0.27 um\" --output cell.roi      correct it in Fiji, then\n  \
-    myospring run cell.tif --pixel-size \"0.27 um\" --outline cell.roi         come back\n  \
+    myospring segment cell.tif                          look at results/cell_outline/overlay.png\n  \
+    myospring segment cell.tif --pixel-size \"0.27 um\" -o cell.roi          correct it in Fiji, then\n  \
+    myospring run cell.tif --pixel-size \"0.27 um\" --outline cell.roi       simulate it\n  \
     myospring segment dish.tif --cell all -o cells.zip -o cells_mask.png\n  \
-    myospring segment sheet.tif --whole-frame                  a sheet or tissue: its fibres and sarcomeres\n\n\
-    Without an ending, --output is a folder; otherwise the ending determines the format: .geojson (um), .roi or .zip (ImageJ), .txt (Cellpose),\n\
-    .png (mask; with --cell all a label mask). An overlay is written beside the first of them.")]
+    myospring segment sheet.tif --whole-frame           fibres and sarcomeres of a sheet or tissue\n\n\
+    Without an ending, --output is a folder; otherwise the ending determines the format: .geojson (um), .roi or .zip (ImageJ), .txt (Cellpose), \
+    .png (mask; with --cell all a label mask). An overlay is written next to the first file.")]
 #[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub(crate) struct SegmentArgs {
     /// Picture (.png, .tif)
@@ -276,14 +276,14 @@ pub(crate) struct SegmentArgs {
 #[command(after_help = "Examples:\n  \
     myospring track film.avi --pixel-size \"0.18 um\" --frame-rate 30 --allow-cut\n  \
     myospring track film.ome.tif                       pixel size and frame rate from the file\n  \
-    myospring track frames --pixel-size \"0.27 um\" --frame-rate 100       a folder of pictures, in order\n  \
+    myospring track frames --pixel-size \"0.27 um\" --frame-rate 100       a folder of pictures\n  \
     myospring track film.tif --frame 12 --outline cell.roi      the cell as drawn on frame 12\n\n\
-    Films: TIFF, OME-TIFF and ImageJ stacks, folders of .png and .tif, AVI (uncompressed, MJPEG, PNG), .y4m; others\n\
+    Films: TIFF, OME-TIFF and ImageJ stacks, folders of .png and .tif, AVI (uncompressed, MJPEG, PNG), .y4m; others \
     through ffmpeg, if it is installed.\n\n\
-    Results: track.csv (one row per frame: t_ms, length_um, shortening_pct, width_um, area_um2, stretch_1 and stretch_2,\n\
-    sarcomere_um if there are stripes, interpolated_pct), track.json (settings, warnings, numbers), rest.tif and\n\
-    outline.geojson (the cell at rest); then what --outputs names, and unless that is none, report.html (the moving cell\n\
-    with its curves, for the browser).\n\
+    Results: track.csv (one row per frame: t_ms, length_um, shortening_pct, width_um, area_um2, stretch_1 and stretch_2, \
+    sarcomere_um if there are stripes, interpolated_pct), track.json (settings, warnings, numbers), rest.tif and \
+    outline.geojson (the cell at rest); then what --outputs names, and, unless that is none, report.html (the \
+    moving cell with its curves, for the browser).\n\
     If interrupted (Ctrl-C), the completed frames are written.")]
 pub(crate) struct TrackArgs {
     /// Film (.tif, .avi, ...) or folder of pictures
@@ -315,8 +315,8 @@ pub(crate) struct TrackArgs {
     myospring batch pictures --pixel-size \"0.27 um\" --output beats\n  \
     myospring batch pictures --pattern \"*_actinin.tif\" --integrator quasi-static --figures\n  \
     myospring batch --table pictures.csv              each picture with its own settings\n\n\
-    Results: report.html, every cell with its numbers; cells.csv, one row per cell, failed pictures with the\n\
-    reason; cells.parquet, the same; overlays/ of all pictures; with --figures a folder for each cell. Cells cut\n\
+    Results: report.html, every cell with its numbers; cells.csv, one row per cell, failed pictures with the \
+    reason; cells.parquet, the same; overlays/ of all pictures; with --figures a folder for each cell. Cells cut \
     by the frame, doubtful ones and those outside --min-area to --max-area are left out with the reason.\n\
     After an interruption (Ctrl-C), the same command continues.\n\
     Exit codes: 0 all pictures gave a simulated cell, 1 some failed, 2 bad input or usage.")]
@@ -353,8 +353,8 @@ pub(crate) struct BatchArgs {
     myospring study run study.toml --shard 3/20       the third of twenty parts, for a job array\n  \
     myospring study merge study.toml                  when all parts are done\n  \
     myospring study figures study.toml                redraws its figures from members.csv\n\n\
-    Results: members.csv and members.parquet, one row per member with its values, metrics, status and reason;\n\
-    report.html; study.json, with Sobol's or Morris's indices if the sampler is saltelli or morris; figures:\n\
+    Results: members.csv and members.parquet, one row per member with its values, metrics, status and reason; \
+    report.html; study.json, with Sobol's or Morris's indices if the sampler is saltelli or morris; figures: \
     sensitivity, distributions, scatter or response curves of each metric.\n\
     After an interruption, the same command continues.")]
 pub(crate) struct StudyArgs {

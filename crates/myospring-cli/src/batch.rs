@@ -39,7 +39,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
             print::warn(note);
         }
     }
-    interrupt::heed_soon("the pictures under way are given up");
+    interrupt::heed_soon("unfinished pictures are discarded");
     let observer = Terminal::new(quiet);
     let batched = prepared.run(&observer)?;
     interrupt::tidies();
@@ -52,7 +52,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     if batched.interrupted {
         let done: BTreeSet<&str> = batched.rows.iter().map(|row| row.picture.as_str()).collect();
         print::note(&format!(
-            "interrupted: {} of {} pictures are done and kept; the same command goes on with the others",
+            "interrupted: {} of {} pictures are done and kept; the same command continues with the others",
             done.len(),
             batched.pictures
         ));

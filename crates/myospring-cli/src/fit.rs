@@ -92,7 +92,7 @@ fn asked(args: &FitArgs) -> Result<FitCell, Failure> {
 /// `100 nN/um=fibres.csv`
 fn spring(text: &str) -> Result<EndSprings, Failure> {
     let (stiffness, path) = text.split_once('=').ok_or_else(|| {
-        Failure::new(format!("--loaded: `{text}` is no stiffness and no table"))
+        Failure::new(format!("--loaded: `{text}` is not a stiffness and a table"))
             .advise("write like --loaded \"100 nN/um=fibres.csv\"")
     })?;
     let stiffness = quantity("--loaded", stiffness.trim(), Dimension::Stiffness)?;
@@ -108,7 +108,7 @@ fn bounds(text: &str) -> Result<(String, [f64; 2]), Failure> {
         Some((name.trim().to_owned(), ends))
     };
     read().ok_or_else(|| {
-        Failure::new(format!("--bounds: `{text}` is none"))
+        Failure::new(format!("--bounds: `{text}` is not a parameter with its bounds"))
             .advise("write like --bounds c_0=0.01:0.05, in the unit of the parameter")
     })
 }

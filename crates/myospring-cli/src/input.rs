@@ -39,7 +39,7 @@ pub(crate) fn one_cell(all: bool) -> Result<(), Failure> {
         return Ok(());
     }
     let advice =
-        "give --cell largest or a number, or beat every cell of a folder with myospring batch";
-    Err(Failure::new("--cell all names several cells, but one is wanted here".to_owned())
+        "give --cell largest or a number, or simulate every cell of a folder with myospring batch";
+    Err(Failure::new("--cell all chooses several cells, but this command takes one".to_owned())
         .advise(advice))
 }

@@ -24,7 +24,7 @@ static TIDIES: AtomicBool = AtomicBool::new(false);
 static SINCE: OnceLock<Instant> = OnceLock::new();
 
 /// What is done where writing has begun.
-pub(crate) const WRITING: &str = "what was begun is still written";
+pub(crate) const WRITING: &str = "files that were begun are still written";
 
 /// How soon people hear that they were heard.
 const SOON: Duration = Duration::from_millis(50);
@@ -44,7 +44,7 @@ pub(crate) fn heed(doing: &'static str) {
                     thread::sleep(SOON);
                 }
                 SINCE.get_or_init(Instant::now);
-                print::note(&format!("interrupted: {doing} (again ends at once)"));
+                print::note(&format!("interrupted: {doing} (Ctrl-C again ends at once)"));
             });
         }
     });

@@ -117,7 +117,7 @@ impl Kind {
         let path = shown(raw);
         match self {
             Self::Picture => format!(
-                "`myospring run {path}` beats its cell, `myospring segment {path}` finds its outline"
+                "`myospring run {path}` simulates its cell, `myospring segment {path}` finds its outline"
             ),
             Self::Strange if ending(raw) == "zip" => {
                 "unpack it, and give the file or the folder that was in it".to_owned()
@@ -129,14 +129,14 @@ impl Kind {
             Self::Curves => format!(
                 "`myospring analyse {path}` measures its beats, `myospring fit --to {path}` fits a cell to it"
             ),
-            Self::Outline | Self::RunFile => format!("`myospring run {path}` beats it"),
+            Self::Outline | Self::RunFile => format!("`myospring run {path}` simulates it"),
             Self::Study => format!("`myospring study run {path}` runs it"),
             Self::Doses => format!("`myospring compare RUN.toml --doses {path}` runs them"),
             Self::Results => format!(
-                "`myospring run {path}/run.toml` repeats it, `myospring compare` lays it beside another"
+                "`myospring run {path}/run.toml` repeats it, `myospring compare` compares it with another run"
             ),
             Self::Pictures => format!(
-                "`myospring batch {path}` beats the cells of all of them; if they are frames of a film, \
+                "`myospring batch {path}` simulates the cells of all of them; if they are frames of a film, \
                  `myospring track {path}` follows its cell"
             ),
             Self::Tables => format!(
@@ -171,7 +171,7 @@ fn is_curves(path: &Path) -> bool {
 /// The failure of a file or folder where a command was to be.
 pub(crate) fn without_command(path: &Path) -> Option<Failure> {
     let kind = Kind::of(path)?;
-    let failure = Failure::new(format!("`{}` is {}, and no command", path.display(), kind.name()));
+    let failure = Failure::new(format!("`{}` is {}, not a command", path.display(), kind.name()));
     Some(failure.advise(kind.answer(path)))
 }
 

@@ -154,6 +154,7 @@ fn help(setting: &Setting, option: CommandOption) -> String {
         Some(otherwise) => Some(otherwise.to_owned()),
         None => match setting.default() {
             // A value with a space is written in quotes.
+            Some(Value::Text(text)) if text.is_empty() => None,
             Some(Value::Text(text)) if !text.contains(' ') => Some(text),
             value => value.map(|value| value.to_string()),
         },

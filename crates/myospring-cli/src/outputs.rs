@@ -18,7 +18,7 @@ pub(crate) fn help() -> String {
     let default: Vec<&str> =
         OUTPUTS.iter().filter(|output| output.by_default).map(|output| output.word).collect();
     format!(
-        "What to write beside curves and numbers, parted by commas [default: {}]",
+        "What to write in addition to curves and numbers, separated by commas [default: {}]",
         default.join(",")
     )
 }

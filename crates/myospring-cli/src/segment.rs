@@ -81,8 +81,9 @@ fn whole_frame(
     into: Option<PathBuf>,
 ) -> Result<ExitCode, Failure> {
     if let (Some(file), None) = (args.output.first(), &into) {
-        let message = format!("--whole-frame finds no outline to write to `{}`", file.display());
-        return Err(Failure::new(message).advise("leave --output away, or name a folder"));
+        let message =
+            format!("--whole-frame gives no outline that `{}` could hold", file.display());
+        return Err(Failure::new(message).advise("leave --output out, or name a folder"));
     }
     let target = into.unwrap_or_else(|| Path::new("results").join(format!("{name}_whole_frame")));
     Folder::check(&target, args.force, &FILES)?;

@@ -73,13 +73,13 @@ fn no_command(all: &clap::Command, word: &OsStr) -> Failure {
     let text = word.to_string_lossy();
     let file = Path::new(word);
     if cell::model(&text).is_ok() {
-        return Failure::new(format!("`{text}` is a cell model, and no command")).advise(format!(
-            "`myospring run --model {text}` beats a cell with it, `myospring models {text}` lists its parameters"
+        return Failure::new(format!("`{text}` is a cell model, not a command")).advise(format!(
+            "`myospring run --model {text}` simulates a cell with it, `myospring models {text}` lists its parameters"
         ));
     }
     if file.extension().is_some() || file.components().count() > 1 {
         let message =
-            format!("`{text}` is no command, and no file or folder of this name is there");
+            format!("`{text}` is not a command, and there is no file or folder of this name");
         return Failure::new(message)
             .advise("check the path and its spelling; `myospring --help` lists the commands");
     }
@@ -118,7 +118,7 @@ fn parted_quantity(words: &[&str]) -> Option<Failure> {
         if Path::new(&unit).exists() {
             return None;
         }
-        let message = format!("{option} {number} {unit}: a value with a blank needs quotes");
+        let message = format!("{option} {number} {unit}: a value with a space needs quotes");
         Some(Failure::new(message).advise(format!("write {option} \"{number} {unit}\"")))
     })
 }
@@ -131,7 +131,7 @@ fn parted_path(words: &[&str]) -> Option<Failure> {
         for to in (from + 2..=from + run).rev() {
             let (parts, whole) = (&words[from..to], words[from..to].join(" "));
             if exists(&whole) && parts.iter().any(|part| !exists(part)) {
-                let message = format!("`{whole}`: a path with a blank needs quotes");
+                let message = format!("`{whole}`: a path with a space needs quotes");
                 return Some(Failure::new(message).advise(format!("write \"{whole}\"")));
             }
         }

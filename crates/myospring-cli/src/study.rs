@@ -43,7 +43,7 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     let plan = StudyPlan { target: target.clone(), shard, jobs, force: output.force };
     let open = study.open(&plan)?;
     let folder = open.folder.clone();
-    interrupt::heed_soon("the members under way are given up");
+    interrupt::heed_soon("unfinished members are discarded");
     let observer = Terminal::new(output.quiet);
     let studied = open.run(&observer)?;
     interrupt::tidies();
@@ -51,7 +51,7 @@ fn begin(args: &StudyRunArgs) -> Result<ExitCode, Failure> {
     let members = studied.members;
     if studied.interrupted {
         print::note(&format!(
-            "interrupted: {} of {members} members are done and kept; the same command goes on with the others",
+            "interrupted: {} of {members} members are done and kept; the same command continues with the others",
             studied.done()
         ));
         return Ok(ExitCode::from(1));

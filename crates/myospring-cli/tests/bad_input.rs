@@ -239,7 +239,7 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         (vec!["run", "my", "cell.png"], &["needs quotes", "write \"my cell.png\""]),
         (
             vec!["run", "--pixel-size", "0.27", "um"],
-            &["a value with a blank needs quotes", "write --pixel-size \"0.27 um\""],
+            &["a value with a space needs quotes", "write --pixel-size \"0.27 um\""],
         ),
         (
             vec!["run", "good.png", "--pixel-size", "0,27 um"],
@@ -277,7 +277,7 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         (vec!["paper", "--output", "file/results"], &["cannot write results"]),
         (vec!["models", "cohelo_2021"], &["did you mean `coelho_2021`?"]),
         (vec!["init", "file/beat.toml"], &["cannot write", "beat.toml"]),
-        (vec!["film.avi"], &["a film, and no command", "`myospring track film.avi`"]),
+        (vec!["film.avi"], &["a film, not a command", "`myospring track film.avi`"]),
         (vec!["study"], &["Usage: myospring study [OPTIONS] <COMMAND>", "init"]),
         (vec!["rum"], &["there is no command `rum`; did you mean `run`?"]),
         (vec!["--model", "land_2017"], &["write myospring run --model"]),

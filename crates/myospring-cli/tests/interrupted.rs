@@ -214,13 +214,13 @@ fn an_interrupted_batch_keeps_its_journal_and_the_same_command_goes_on() {
     assert_eq!(output.status.signal(), Some(2), "{}", stderr(&output));
     let done = lines();
     assert!((2..12).contains(&done), "{done} pictures");
-    let kept = format!("{done} of 12 pictures are done and kept; the same command goes on");
+    let kept = format!("{done} of 12 pictures are done and kept; the same command continues");
     assert!(stderr(&output).contains(&kept), "{}", stderr(&output));
     let rows = fs::read_to_string(folder.path().join("beats/cells.csv")).unwrap().lines().count();
     assert_eq!(rows, done + 1, "the table has what is done");
 
     let output = command(folder.path(), &BATCH).output().unwrap();
-    assert!(stderr(&output).contains(&format!("going on: {done} of 12")), "{}", stderr(&output));
+    assert!(stderr(&output).contains(&format!("continuing: {done} of 12")), "{}", stderr(&output));
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let table = fs::read_to_string(folder.path().join("beats/cells.csv")).unwrap();
     assert_eq!(table.lines().count(), 13);
@@ -248,9 +248,7 @@ fn an_output_that_cannot_be_written_leaves_the_curves_and_numbers() {
     let output = shell(folder.path(), script);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     let text = stderr(&output);
-    for part in
-        ["error: figures is not among the results", "too large", "curves and numbers are in"]
-    {
+    for part in ["error: figures was not written", "too large", "curves and numbers are in"] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let results = folder.path().join("results/adult_ventricular");

@@ -483,7 +483,7 @@ fn of_a_picture_that_gives_no_cell_there_is_an_overlay_to_look_at_and_nothing_el
     );
     refused(
         &["segment", "cut.png", "-o", "cut.roi"],
-        &["look at cut_overlay.png", "what the frame leaves of it was written: cut.roi"],
+        &["look at cut_overlay.png", "the part within the frame was written: cut.roi"],
     );
     assert!(!exists("results/cut") && !exists("mine") && exists("cut.roi"));
     let allowed = ["segment", "cut.png", "--allow-cut", "--pixel-size", "0.5 um"];
@@ -548,5 +548,5 @@ fn of_a_sheet_the_fibres_of_the_whole_frame_are_read_and_no_outline_is_made_up()
 
     let refused = myospring(folder.path(), &[&asked[..], &["-o", "sheet.roi"]].concat());
     assert_eq!(refused.status.code(), Some(2));
-    assert!(text(&refused.stderr).contains("--whole-frame finds no outline"));
+    assert!(text(&refused.stderr).contains("--whole-frame gives no outline"));
 }

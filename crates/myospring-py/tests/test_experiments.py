@@ -125,7 +125,7 @@ def test_beats_are_compared_with_factors_and_doses(cell, beat, tmp_path):
     assert len(frame) == len(found.metrics) * len(found.labels)
     kept = found.save(tmp_path / "kept")
     assert (kept / "report.html").exists() and (kept / "runs" / "run_2.toml").exists()
-    with pytest.raises(ValueError, match="nothing to compare"):
+    with pytest.raises(ValueError, match="two or more runs"):
         myospring.compare(beat)
 
 

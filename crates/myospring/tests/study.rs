@@ -507,8 +507,8 @@ fn what_is_wrong_with_a_table_is_said_with_its_line_and_column() {
                 "line 5 names",
             ],
         ),
-        (b"file,group\na.png,x\n\na.png,y\n", &["line 4 says the same as line 2", "twice"]),
-        (b"file,group\n", &["names no picture"]),
+        (b"file,group\na.png,x\n\na.png,y\n", &["line 4 repeats line 2", "twice"]),
+        (b"file,group\n", &["lists no picture"]),
         (b"PK\x03\x04", &["workbook", "save the sheet as CSV"]),
     ];
     for (table, expected) in cases {
@@ -609,9 +609,9 @@ fn debris_is_left_out_of_a_table_unless_it_is_pointed_at_and_every_picture_is_sh
     let shown = shown.0.into_inner().unwrap();
     assert_eq!(shown.len(), 5);
     assert!(
-        shown[0]
-            .2
-            .contains("for their size (--min-area, --max-area): 3 (24150 um^2), 2 (200 um^2)"),
+        shown[0].2.contains(
+            "because of their size (--min-area, --max-area): 3 (24150 um^2), 2 (200 um^2)"
+        ),
         "{}",
         shown[0].2
     );

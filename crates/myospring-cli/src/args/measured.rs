@@ -19,15 +19,15 @@ const FIT: &str = "Fit";
     myospring analyse lengths.txt --frame-rate 250 --kind length --unit um\n  \
     myospring analyse export.txt --time 1 --columns 3 --kind sarcomere-length --unit um\n  \
     myospring analyse edge.csv --unit px --pixel-size \"0.27 um\" --frame-rate 100\n  \
-    myospring analyse fura.csv --kind calcium-ratio --stimulus-period \"1 s\" --stimulus-start \"200 ms\"\n  \
-    myospring analyse sarcomere_length.csv --frame-rate 30 --mean   one row per sarcomere, as from SarcGraph\n  \
+    myospring analyse fura.csv --kind calcium-ratio --stimulus-period \"1 s\"\n  \
+    myospring analyse sarcomeres.csv --frame-rate 30 --mean         one row per sarcomere (SarcGraph)\n  \
     myospring analyse results.xlsx --sheet \"Data (ROIs)\"             default: every sheet\n  \
     myospring analyse long.csv --from \"20 s\" --to \"45 s\"             a part of the recording\n\n\
-    A table needs a column of times, or --frame-rate, and one of values for each cell: `time (ms)`, `t_s`, `length_um`,\n\
-    `Sarc Length (um)`, `shortening (%)`, `force_nN`, `ratio`, `Ca_nM`, `F/F0`, `Vm (mV)`. Delimiter, decimal comma,\n\
+    A table needs a column of times, or --frame-rate, and one of values for each cell: `time (ms)`, `t_s`, `length_um`, \
+    `Sarc Length (um)`, `shortening (%)`, `force_nN`, `ratio`, `Ca_nM`, `F/F0`, `Vm (mV)`. Delimiter, decimal comma, \
     header, encoding and lines above the table are detected.\n\
-    Results: report.html (the curves with their beats, all numbers), metrics.csv (one row per beat), summary.csv (mean,\n\
-    standard deviation, unit and definition of each metric), summary.json (everything, with the processing of each curve),\n\
+    Results: report.html (the curves with their beats, all numbers), metrics.csv (one row per beat), summary.csv (mean, \
+    standard deviation, unit and definition of each metric), summary.json (everything, with the processing of each curve), \
     figures/trace_NAME (SVG and PNG).\n\
     Exit codes: 0 done, 2 bad input or usage, or no curve with a beat.")]
 pub(crate) struct AnalyseArgs {
@@ -139,15 +139,15 @@ pub(crate) struct TableArgs {
 #[command(after_help = "Examples:\n  \
     myospring fit --to cell.csv                                     the built-in cell's shape\n  \
     myospring fit cell.tif --pixel-size \"0.27 um\" --to cell.csv     the cell of a picture\n  \
-    myospring fit --to lengths.txt --frame-rate 250 --kind length --unit um --stimulus-times \"50 ms\"\n  \
-    myospring fit --to cell.csv --free c_0,x_3,sigma                more unknowns: check their intervals\n  \
+    myospring fit --to lengths.txt --frame-rate 250 --kind length --unit um\n  \
+    myospring fit --to cell.csv --free c_0,x_3,sigma                more unknowns\n  \
     myospring fit --to cell.csv --model land_2017 --fix k_ws\n  \
-    myospring fit film.avi --pixel-size \"0.18 um\" --frame-rate 30     tracks the cell of a film and fits to its motion\n  \
+    myospring fit film.avi --pixel-size \"0.18 um\" --frame-rate 30   the cell of a film, to its motion\n  \
     myospring fit --to free.csv --loaded \"100 nN/um=fibres.csv\"     both stiffness and tension\n\n\
-    A curve of a free cell determines the ratio of tension to stiffness, not both; verdicts say what else it does not\n\
+    A curve of a free cell determines the ratio of tension to stiffness, not both; verdicts say what else it does not \
     determine. Delays and the length at rest are always fitted. Several curves (columns, files) are several cells.\n\n\
-    Results: fit.json (every number with its unit, 95 % interval, profile and verdict), curve.csv (measured, fitted,\n\
-    residual), run.toml (reproduces the beat with `myospring run`), figures/fit (SVG and PNG), report.html; for several\n\
+    Results: fit.json (every number with its unit, 95 % interval, profile and verdict), curve.csv (measured, fitted, \
+    residual), run.toml (reproduces the beat with `myospring run`), figures/fit (SVG and PNG), report.html; for several \
     cells fits.csv, one row each, and these files in cells/N.\n\
     Exit codes: 0 done, 1 a cell of several could not be fitted, 2 bad input or usage.")]
 pub(crate) struct FitArgs {

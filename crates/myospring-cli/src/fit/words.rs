@@ -71,6 +71,6 @@ pub(super) fn will_take(one: Duration, curves: usize, threads: usize) -> String 
     };
     let fits = if curves == 1 { "the fit takes" } else { "the fits take" };
     format!(
-        "each curve of this cell model is a beat of all its equations: {fits} about {time} on this machine"
+        "this cell model computes a whole beat for each curve that is tried: {fits} about {time} on this machine"
     )
 }

@@ -112,7 +112,7 @@ fn rows(plan: &Plan<'_>, run: &Run) -> Vec<(&'static str, String)> {
             ("integrator", "quasi-static, along the path of equilibria".to_owned()),
             ("load steps", format!("{load_steps}, {newton_iterations} Newton iterations")),
             ("error of positions", format!("{interpolation_error_um:.1e} um")),
-            ("lag of a motion", format!("{delay_ms:.2} ms")),
+            ("lag of a run in time", format!("{delay_ms:.2} ms")),
         ]),
         Effort::Field { .. } => {
             rows.push(("integrator", "quasi-static, tension by place".to_owned()));

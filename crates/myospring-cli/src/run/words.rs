@@ -130,7 +130,7 @@ fn title(name: &str, run: &Run, summary: &Summary) -> String {
         Some(_) => " and S2",
         None => "",
     };
-    let cut = if summary.cut_short { " (the last is cut short, no number counts it)" } else { "" };
+    let cut = if summary.cut_short { " (the last is cut short and is not measured)" } else { "" };
     format!("{title}: {beats} beat{s}{of_stimuli}{and_s2} of {}{cut}\n\n", of.join(" at "))
 }
 
@@ -190,7 +190,8 @@ pub(super) fn in_words(effort: &Effort) -> String {
         } => format!(
             "quasi-static: {load_steps} load steps, {newton_iterations} Newton iterations, \
              {factorisations} factorisations\n\
-             positions to {interpolation_error_um:.1e} um; a motion with the same dampings lags {delay_ms:.2} ms"
+             positions to {interpolation_error_um:.1e} um; a run in time with this damping would lag by \
+             {delay_ms:.2} ms"
         ),
         Effort::Field { equilibria, newton_iterations, factorisations } => format!(
             "quasi-static, tension by place: {equilibria} equilibria, {newton_iterations} Newton iterations, \

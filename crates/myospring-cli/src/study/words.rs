@@ -106,10 +106,14 @@ fn advice(worst: &Rejected, beat: usize) -> String {
         format!("\nhardly any member is kept: the band of {name} rejects {share:.1} % of them");
     if let Some([low, median, high]) = worst.found {
         let [low, median, high] = [low, median, high].map(number);
-        let _ = write!(text, "; members have {median} {}, nine of ten {low} to {high}", worst.unit);
+        let _ = write!(
+            text,
+            "; their median is {median} {}, and nine of ten are {low} to {high}",
+            worst.unit
+        );
     }
     text.push_str(
-        "\nmove the run that they have in common towards the bands, narrow the distributions, or widen [keep]\n",
+        "\nmove the values in [run] towards the bands, narrow the distributions, or widen [keep]\n",
     );
     text
 }

@@ -178,7 +178,7 @@ fn what_cannot_be_compared_says_why_and_writes_nothing() {
     beaten(place, "cell.toml", "results/cell", "none");
     fs::write(place.join("drug.toml"), "[drug]\nparameter = \"tau_si\"\n").unwrap();
     for (arguments, said) in [
-        (&["cell.toml"][..], "one run is nothing to compare"),
+        (&["cell.toml"][..], "a comparison needs two or more runs"),
         (&["cell.toml", "empty"], "`empty` is an empty folder"),
         (&["cell.toml", "none.toml"], "cannot read `none.toml`"),
         (&["cell.toml", "--scale", "tau_sii=2"], "the nearest are tau_si"),
@@ -190,7 +190,7 @@ fn what_cannot_be_compared_says_why_and_writes_nothing() {
         ),
         (&["cell.toml", "--scale", "tau_si=2,tau_si=3"], "two factors"),
         (&["cell.toml", "--doses", "drug.toml"], "drug.toml: drug 1: missing field"),
-        (&["results/cell", "cell.toml", "--spacing", "3 um"], "which options do not change"),
+        (&["results/cell", "cell.toml", "--spacing", "3 um"], "options cannot change them"),
     ] {
         let output = myospring(place, &[&["compare"], arguments].concat());
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

@@ -92,7 +92,7 @@ const ROWS: &[Row] = &[
     ("", Damage::None, "analyse curve.csv --stimulus-times 1e300", 2, &["none of 1 stimuli falls into the recording, from 0 to 2980 ms"]),
     ("", Damage::None, "analyse curve.csv --from 1e300ms", 2, &["no values from 1e300 to 2980 ms"]),
     ("", Damage::None, "analyse curve.csv --smooth 1e300ms", 2, &["--smooth is 1e300 ms"]),
-    ("", Damage::None, "fit --to curve.csv --bounds c_0=1e-300:1e300", 2, &["`c_0` is sought between 1e-300 and 1e300"]),
+    ("", Damage::None, "fit --to curve.csv --bounds c_0=1e-300:1e300", 2, &["the bounds of `c_0` are 1e-300 to 1e300"]),
     ("", Damage::None, "fit --to curve.csv --loaded 1e300nN/um=curve.csv", 2, &["--loaded: 1e300 nN/um"]),
     ("calcium.csv", Text("0.6", "1e300"), CALCIUM, 2, &["line 4", "1e300 is larger than anything measured"]),
     ("calcium.csv", Text("0.6", "600"), CALCIUM, 2, &["line 4", "calcium is 600 uM; it must be between 0 and 100 uM"]),

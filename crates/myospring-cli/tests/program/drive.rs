@@ -54,7 +54,7 @@ fn a_run_starts_from_a_steady_state_that_is_kept_and_a_damaged_one_is_told_and_m
         fs::write(folder.path().join("states").join(name), "{").unwrap();
     }
     let (told, mended) = run("mended", &[]);
-    assert!(told.contains("is damaged; it was paced and written anew"), "{told}");
+    assert!(told.contains("is damaged; it was computed and written again"), "{told}");
     assert!(mended == first);
     let alone = myospring(folder.path(), &["run", "--steady-state-cache", "states"]);
     assert!(stderr(&alone).contains("steady_state"), "{}", stderr(&alone));

@@ -97,7 +97,7 @@ fn a_model_that_does_not_fit_is_said_before_any_number_and_in_every_file() {
     let text = stdout(&output);
     assert!(text.starts_with("The model does not fit.\n"), "{text}");
     assert!(text.contains("none") && !text.contains("determined"), "{text}");
-    assert!(stderr(&output).contains("do not take these numbers"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("do not use these numbers"), "{}", stderr(&output));
     let results = folder.path().join("results/wave_fit");
     let read = |name: &str| fs::read_to_string(results.join(name)).unwrap();
     let record: serde_json::Value = serde_json::from_str(&read("fit.json")).unwrap();
@@ -207,7 +207,7 @@ fn what_cannot_be_fitted_is_said_with_how_to_mend_it() {
     };
     assert!(said(&["--free", "tau_zz"]).contains("coelho_2021 has no such parameter"));
     assert!(said(&["--fix", "x_3"]).contains("sought are tension_over_stiffness, c_0"));
-    assert!(said(&["--bounds", "c_0=3:1"]).contains("must be above 0 and ascend"));
+    assert!(said(&["--bounds", "c_0=3:1"]).contains("must be above 0, in ascending order"));
     assert!(said(&["--bounds", "c_0"]).contains("--bounds c_0=0.01:0.05"));
     assert!(said(&["--support", "clamped-ends"]).contains("its ends are held"));
     assert!(said(&["--loaded", "cell.csv"]).contains("100 nN/um=fibres.csv"));

@@ -51,7 +51,7 @@ export function showBeat(beat, lists) {
   const stage = find("stage", HTMLElement);
   const more = find("more-curves", HTMLDetailsElement);
 
-  const overlay = alone ? null : overlayOn(addFigure("all over each other"));
+  const overlay = alone ? null : overlayOn(addFigure("all overlaid"));
   const views = beat.cells.map(
     ({ label }, index) => new CellView(addFigure(label, alone ? "unseen" : ""), cells[index], boxes[index], null),
   );
@@ -187,7 +187,7 @@ export function showBeat(beat, lists) {
   function describeCells() {
     overlay?.canvas.setAttribute(
       "aria-label",
-      `Outlines of all cells over each other, ${player.playing ? "beating" : `at ${player.time.toFixed(0)} ms`}`,
+      `Outlines of all cells overlaid, ${player.playing ? "beating" : `at ${player.time.toFixed(0)} ms`}`,
     );
     views.forEach((view, index) => {
       const of = alone ? "The cell" : beat.cells[index].label;
@@ -218,8 +218,8 @@ export function showBeat(beat, lists) {
   function sayHowDrawn() {
     const { spacing_um: spacing, accuracy_um: accuracy } = beat.cells[0];
     find("drawn", HTMLElement).textContent =
-      `Drawn on squares of ${number(spacing)} ${unitText("um")}; positions are right to ` +
-      `${number(accuracy)} ${unitText("um")}. Curves and numbers do not depend on that.`;
+      `Drawn on squares of ${number(spacing)} ${unitText("um")}; positions are accurate to ` +
+      `${number(accuracy)} ${unitText("um")}. Curves and numbers do not depend on this.`;
   }
 }
 

@@ -54,7 +54,7 @@ function isEmpty(part) {
   }
 }
 
-const POINT = "Point at a name, or move to it with Tab, for how it is defined. ";
+const POINT = "Point at a name, or move to it with Tab, to see its definition. ";
 
 /**
  * @param {Part} part

@@ -310,8 +310,8 @@ test("what is to be looked at is read without scrolling in a box, and unfolds wh
       const box = await page.locator("#warnings").boundingBox();
       assert.ok(box !== null && box.height < 900 / 3, `${box?.height}`);
       await openAll(page);
-      assert.match((await page.textContent("#warnings")) ?? "", /do not take these numbers/);
-      assert.ok(await page.getByText("do not take these numbers").isVisible());
+      assert.match((await page.textContent("#warnings")) ?? "", /do not use these numbers/);
+      assert.ok(await page.getByText("do not use these numbers").isVisible());
     });
   }
 });

@@ -297,8 +297,7 @@ impl<'a> Runs<'a> {
     /// All metrics, group by group.
     fn numbers(&self) -> Section<'a> {
         let several = self.runs.len() > 1;
-        let changes =
-            "Below a value: how far it is from that of the first run, and in per cent of it. ";
+        let changes = "Below a value: its difference from the first run, also in per cent. ";
         let hint = format!(
             "{}Measured: the range in unloaded adult ventricular myocytes. Being inside or outside it does not make a cell \
              right or wrong.",

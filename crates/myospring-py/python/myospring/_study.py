@@ -401,9 +401,9 @@ def run_study(
     native = _native.Study(text, files, folder, results, force, not isinstance(study, Mapping), description)
     try:
         if native.damaged:
-            warn([f"the results of {native.damaged} members that were kept in {results} were changed or damaged since; they are computed anew"])
+            warn([f"the stored results of {native.damaged} members in {results} were changed or damaged; they are computed again"])
         if native.changed:
-            warn([f"the study's parameters or sampling changed: {native.changed} members that were kept in {results} had other values; they are computed anew"])
+            warn([f"the study's parameters or sampling changed: {native.changed} stored members in {results} had other values; they are computed again"])
         watch: Callable[[int, int, float | None], None] | None
         if callable(progress):
             watch = progress

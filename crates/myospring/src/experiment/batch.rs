@@ -155,7 +155,7 @@ impl Batch {
         let cells = cell.and_then(|(_, value)| Value::as_text(value)).unwrap_or("all");
         let (version, figures) = (env!("CARGO_PKG_VERSION"), self.figures);
         format!(
-            "# What the results in this folder depend on; myospring batch goes on only with the same.\n\
+            "# The settings of the results in this folder; myospring batch continues only with the same ones.\n\
              # version {version}, cells {cells}, figures {figures}\n\n{text}"
         )
     }
@@ -273,7 +273,7 @@ impl study::StudyObserver<Picture> for Seen<'_> {
     fn begins(&self, done: usize, pictures: usize) {
         self.observer.stage("pictures", pictures as u64);
         if done > 0 {
-            self.observer.note(&format!("going on: {done} of {pictures} pictures are done"));
+            self.observer.note(&format!("continuing: {done} of {pictures} pictures are done"));
         }
         self.done.store(done as u64, Ordering::Relaxed);
         self.observer.reached(done as u64);

@@ -135,9 +135,9 @@ impl FitCell {
         let loaded: Vec<Loaded> = loaded.collect::<Result<_, _>>()?;
         if curves > 1 && !loaded.is_empty() {
             return Err(ExperimentError::new(format!(
-                "--loaded is of one cell, and there are {curves} curves in --to"
+                "--loaded needs one cell, but --to has {curves} curves"
             ))
-            .advise("--columns chooses the cell's own"));
+            .advise("--columns chooses the curve of that cell"));
         }
         Ok(loaded)
     }
@@ -159,11 +159,11 @@ impl FitCell {
             FitError::NotSought { name, sought }
                 if self.sought.fix.iter().any(|it| it.trim() == name) =>
             {
-                ExperimentError::new(format!("--fix: `{name}` is not sought anyway"))
+                ExperimentError::new(format!("--fix: `{name}` is not fitted anyway"))
                     .advise(format!("sought are {sought}"))
             }
             FitError::NotSought { name, sought } => {
-                ExperimentError::new(format!("--bounds: `{name}` is not sought"))
+                ExperimentError::new(format!("--bounds: `{name}` is not fitted"))
                     .advise(format!("sought are {sought}; --free adds others"))
             }
             error => ExperimentError::new(error),
@@ -209,7 +209,7 @@ impl PreparedFit {
             let followed = &film.followed;
             match FilmMap::of(Arc::clone(followed), work.fitter.simulation()) {
                 Ok(found) => map = Some(found),
-                Err(error) => notes.push(format!("there is no map of tension: {error}")),
+                Err(error) => notes.push(format!("the map of tension is left out: {error}")),
             }
             if let (Ok(fit), false) = (&first.found, observer.interruption().is_asked()) {
                 shapes = Shapes::of(Arc::clone(followed), &work.fitter, &work.run, fit)?;
@@ -265,10 +265,10 @@ fn failed(error: &FitError, notes: &[String]) -> ExperimentError {
     let failure = ExperimentError::new(error);
     let failure = match error {
         FitError::Curve { .. } | FitError::NoBeat { .. } => {
-            failure.advise("`myospring analyse` shows the curve and what is seen in it")
+            failure.advise("`myospring analyse` shows the curve and the beats found in it")
         }
         FitError::TooMany { .. } => {
-            failure.advise("`--fix Ca50_ref` holds one; without --free the other two are sought")
+            failure.advise("`--fix Ca50_ref` fixes one; without --free the other two are fitted")
         }
         FitError::Kind { .. } => {
             failure.advise("--columns chooses another column, --kind says what it is")

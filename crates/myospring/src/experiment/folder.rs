@@ -137,7 +137,7 @@ impl Folder {
         let path = self.draft.folder().join(name);
         let size = make(&path).and_then(|()| match fs::metadata(&path) {
             Ok(file) => Ok(file.len()),
-            Err(error) => Err(ExperimentError::new(format!("`{name}` was not made: {error}"))),
+            Err(error) => Err(ExperimentError::new(format!("`{name}` was not written: {error}"))),
         });
         if size.is_err() {
             fs::remove_file(&path).ok();
@@ -237,9 +237,10 @@ impl Folder {
         }
         let refused = match self.manifest.check_replaceable(&self.reads) {
             Err(error) => Some(error.to_string()),
-            Ok(()) if !self.force && is_occupied(target).map_err(failed)? => {
-                Some(format!("`{}` has got files in the meantime, which stay", target.display()))
-            }
+            Ok(()) if !self.force && is_occupied(target).map_err(failed)? => Some(format!(
+                "files appeared in `{}` during the run and are kept",
+                target.display()
+            )),
             Ok(()) => None,
         };
         if let Some(why) = refused {

@@ -162,7 +162,7 @@ fn unread(path: &Path) -> ExperimentError {
     let file = path.display();
     match fs::metadata(path) {
         Ok(data) if data.is_dir() => ExperimentError::new(format!("`{file}` is a folder"))
-            .advise(format!("myospring batch {file} beats the cells of all pictures in it")),
+            .advise(format!("myospring batch {file} simulates the cells of all pictures in it")),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             ExperimentError::unread(path, &error)
         }

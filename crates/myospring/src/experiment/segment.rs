@@ -77,7 +77,7 @@ impl Experiment for Segment {
                     return Err(error);
                 }
                 let left = left.join(", ");
-                return Err(error.also(&format!("what the frame leaves of it was written: {left}")));
+                return Err(error.also(&format!("the part within the frame was written: {left}")));
             }
         };
         let (chosen, impossible) = of_possible_size(shape, &cells, chosen);

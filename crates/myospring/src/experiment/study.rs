@@ -274,7 +274,7 @@ impl study::StudyObserver<Variation> for Seen<'_> {
     fn begins(&self, done: usize, members: usize) {
         self.observer.stage("members", members as u64);
         if done > 0 {
-            self.observer.note(&format!("going on: {done} of {members} members are done"));
+            self.observer.note(&format!("continuing: {done} of {members} members are done"));
         }
         self.done.store(done as u64, Ordering::Relaxed);
         self.observer.reached(done as u64);

@@ -131,14 +131,15 @@ impl FilmMap {
         let map = &self.map;
         if !map.is_known() {
             return format!(
-                "tension at the peak ({}): where the cell pulls is not known; the even tension that comes nearest is {:.2} kPa",
+                "tension at the peak ({}): the film does not show where the cell pulls; the uniform tension that \
+                fits it best is {:.2} kPa",
                 frames(&map.frames),
                 map.even_kpa
             );
         }
         format!(
-            "tension at the peak ({}): {:.2} kPa on average, {:.2} to {:.2} kPa in nine tenths of the cell; it leaves \
-             {:.3} um of the motion, an even tension {:.3} um",
+            "tension at the peak ({}): {:.2} kPa on average, {:.2} to {:.2} kPa in nine tenths of the cell; \
+            residual of the motion {:.3} um, with a uniform tension {:.3} um",
             frames(&map.frames),
             map.mean_kpa,
             map.quantile_kpa(0.05),

@@ -43,7 +43,7 @@ pub fn of_each_cell(curves: Vec<Curve>) -> (Vec<Curve>, Option<String>) {
         listed(&curves.iter().map(|curve| curve.name.clone()).collect::<Vec<_>>())
     };
     let note = format!(
-        "fitted: {}; not fitted, as other curves of the same cell: {} (--columns takes another)",
+        "fitted: {}; not fitted, since they are other curves of the same cell: {} (--columns chooses one)",
         names(&taken),
         names(&others)
     );

@@ -20,7 +20,7 @@ pub enum FitError {
     },
     /// Nothing to fit.
     #[error(
-        "`{name}` shows no beat; see it with `myospring analyse`, or say when the cell was stimulated"
+        "`{name}` shows no beat; look at it with `myospring analyse`, or give the times of the stimuli"
     )]
     NoBeat {
         /// The curve.
@@ -47,11 +47,12 @@ pub enum FitError {
     },
     /// The support lets nothing be seen.
     #[error(
-        "this cell does not shorten, since its ends are held; a length says nothing of it. Fit with a support that gives way, such as free ends"
+        "the ends of this cell are held, so it does not shorten, and a length cannot be fitted. Choose a support \
+        that lets it shorten, such as free ends"
     )]
     DoesNotShorten,
     /// An unknown that is none.
-    #[error("`{name}` cannot be free: {why}. Free can be: {known}")]
+    #[error("`{name}` cannot be fitted: {why}. What can be fitted: {known}")]
     Unknown {
         /// As it was written.
         name: String,
@@ -61,7 +62,7 @@ pub enum FitError {
         known: String,
     },
     /// A name to fix or to bound that is not sought.
-    #[error("`{name}` is not sought; sought are {sought}")]
+    #[error("`{name}` is not fitted; fitted are {sought}")]
     NotSought {
         /// The name.
         name: String,
@@ -70,8 +71,8 @@ pub enum FitError {
     },
     /// Myofilaments whose numbers make up for each other.
     #[error(
-        "{names} are sought at once; a curve tells at most two of them, since the third makes up for the others \
-         (correlation 1.00). Hold one of them fixed: where calcium was not calibrated, Ca50_ref"
+        "{names} cannot be fitted together: a curve determines at most two of them, since the third can offset the \
+        others (correlation 1.00). Fix one of them; where calcium was not calibrated, fix Ca50_ref"
     )]
     TooMany {
         /// Which.
@@ -79,7 +80,8 @@ pub enum FitError {
     },
     /// Bounds that are none.
     #[error(
-        "`{name}` is sought between {low} and {high}; the bounds must be above 0 and ascend, and within what the model allows, {least} to {most}"
+        "the bounds of `{name}` are {low} to {high}; they must be above 0, in ascending order, and within what the \
+        model allows, {least} to {most}"
     )]
     Bounds {
         /// Of which unknown.
@@ -102,7 +104,7 @@ pub enum FitError {
         why: &'static str,
     },
     /// No start led anywhere.
-    #[error("no start of {starts} led to a curve: {why}")]
+    #[error("none of {starts} starts gave a curve: {why}")]
     Nowhere {
         /// How many there were.
         starts: usize,

@@ -81,7 +81,7 @@ impl Fitter {
         if simulation.tension_scale == TensionScale::OwnPeak {
             return Err(FitError::Setting {
                 what: "tension_scale = \"own-peak\"",
-                why: "whatever the parameters, the peak would be the same; leave it out",
+                why: "it makes the peak the same for all parameters; leave it out",
             });
         }
         match simulation.cell.tension_kind() {
@@ -94,7 +94,7 @@ impl Fitter {
             TensionKind::Kilopascal if simulation.cell.in_fits().strength.is_none() => {
                 return Err(FitError::Setting {
                     what: "this cell model",
-                    why: "its tension is in kPa, and no parameter of it scales that",
+                    why: "its tension is in kPa, and it has no parameter that scales it",
                 });
             }
             _ => {}
@@ -174,8 +174,10 @@ impl Fitter {
             parameters: &parameters,
         };
         let curve = contraction.shortening(&physics, &[FIRST_STIMULUS], times_ms);
-        let curve =
-            curve.ok_or(FitError::Setting { what: "these factors", why: "they make no beat" })?;
+        let curve = curve.ok_or(FitError::Setting {
+            what: "these factors",
+            why: "the cell does not beat with them",
+        })?;
         Ok(curve.into_iter().map(|shortening| resting_length * (1.0 - shortening)).collect())
     }
 

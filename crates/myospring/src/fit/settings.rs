@@ -128,7 +128,7 @@ impl FitSettings {
                     if row.value.is_nan() || row.value <= 0.0 {
                         return Err(FitError::Unknown {
                             name: name.clone(),
-                            why: format!("it is {} and is sought by factors", row.value),
+                            why: format!("it is {}, and a fit multiplies it by factors", row.value),
                             known: "numbers above 0".to_owned(),
                         });
                     }

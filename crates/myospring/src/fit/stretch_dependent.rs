@@ -36,7 +36,7 @@ impl StretchDependent {
         if simulation.activation.is_some() || simulation.has_sites_in_triangles() {
             return Err(FitError::Setting {
                 what: "a tension for each triangle, or another activation than a cell model",
-                why: "a fit is of one cell model for the whole cell",
+                why: "a fit needs one cell model for the whole cell",
             });
         }
         let simulation = simulation.clone();

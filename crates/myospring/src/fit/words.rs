@@ -24,7 +24,7 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
             // Said of the whole fit.
             Verdict::DoesNotFit => {}
             Verdict::Determined => words.push(format!(
-                "the likelihood of {name} is no parabola: its interval holds, its standard deviation does not"
+                "the likelihood of {name} is not a parabola: use its interval, not its standard deviation"
             )),
             Verdict::NotDetermined => {
                 words.push(format!("{name} is not determined by this curve: its profile is flat"));
@@ -44,7 +44,7 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
             Verdict::AtLowerBound | Verdict::AtUpperBound => {
                 let end = if estimate.verdict == Verdict::AtLowerBound { "lower" } else { "upper" };
                 words.push(format!(
-                    "{name} is at its {end} bound, {}: the curve asks for a value beyond",
+                    "{name} is at its {end} bound, {}: a value beyond it would fit the curve better",
                     amount(estimate.value, &estimate.unit)
                 ));
             }
@@ -52,7 +52,7 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
     }
     for (one, other, correlation) in &fit.correlated {
         words.push(format!(
-            "{one} and {other} can hardly be told apart (correlation {correlation:.3}): hold one of them fixed"
+            "the curve can hardly distinguish {one} from {other} (correlation {correlation:.3}): fix one of them"
         ));
     }
     // Too small to speak against the fit, and yet in its intervals.
@@ -61,7 +61,7 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
     let [agreeing, starts] = fit.agreeing_starts;
     if 4 * agreeing < starts {
         words.push(format!(
-            "only {agreeing} of {starts} starts came to this answer; there may be a better one: try more starts"
+            "only {agreeing} of {starts} starts reached this answer, so there may be a better one: try more starts"
         ));
     }
     let bad: usize =
@@ -88,7 +88,11 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
         fit.estimates.iter().any(|estimate| estimate.unknown.as_ref() == Some(unknown))
     };
     if fit.curves.iter().any(|curve| curve.scale == Scale::Arbitrary) {
-        words.push("a height in arbitrary units says nothing of how far the cell shortens: timing alone was fitted".to_owned());
+        words.push(
+            "a height in arbitrary units does not show how far the cell shortens: only timing was \
+            fitted"
+                .to_owned(),
+        );
     } else if !free(&Unknown::YoungModulus) && free(&Unknown::TensionOverStiffness) {
         words.push(format!(
             "the curve determines the ratio of tension to stiffness, not either one; values in kPa assume a Young's modulus of {} kPa",
@@ -115,8 +119,8 @@ fn what_to_do(fit: &Fit, cell: &dyn CellModel) -> String {
         .any(|estimate| matches!(estimate.verdict, Verdict::AtLowerBound | Verdict::AtUpperBound));
     let bounds = if at_bound { ", wider bounds" } else { "" };
     format!(
-        "do not take these numbers for the cell's; they have no intervals. Try {other}, more free parameters{bounds}, or a \
-         shorter part of the curve, and check that the curve's kind and unit are right"
+        "do not use these numbers: they are not the cell's and have no intervals. Try {other}, more free \
+        parameters{bounds}, or a shorter part of the curve, and check that the curve's kind and unit are right"
     )
 }
 
@@ -159,11 +163,15 @@ fn misfit(curve: &FittedCurve, model: &str) -> String {
     let worst = all.into_iter().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     let place = worst.map_or_else(String::new, |(off, what)| {
         let more = if off > 0.0 { "more" } else { "less" };
-        format!(": {what} the measured cell is {} {more} contracted than any setting of the unknowns gives", amount(off.abs(), &curve.unit))
+        format!(
+            ": {what} the measured cell is contracted by {} {more} than in the best \
+            fit",
+            amount(off.abs(), &curve.unit)
+        )
     });
     let verb = match curve.verdict() {
         FitVerdict::DoesNotFit => "does not fit",
-        FitVerdict::FitsNearly => "fits nearly, not wholly,",
+        FitVerdict::FitsNearly => "nearly fits",
         FitVerdict::Fits => "fits",
     };
     let counted = match curve.verdict() {

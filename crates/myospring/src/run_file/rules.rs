@@ -154,8 +154,8 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
     if has_given_calcium(&*run.cell)
         && let Some(second) = OF_MEMBRANE.into_iter().find(|key| file.has(key))
     {
-        let advice = "the calcium of this model is given and starts with each stimulus, which has no other effect; \
-                      leave it out";
+        let advice = "this model's calcium is prescribed and restarts at each stimulus; a stimulus has no other \
+            effect, so leave this setting out";
         return exclude("cell.model", second, advice);
     }
     if let Some(second) = ["cell.calcium_dissociation", "cell.ratio_min", "cell.ratio_max"]
@@ -167,7 +167,7 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
     }
     if file.has("cell.calcium") {
         if !has_given_calcium(&*run.cell) {
-            let advice = "only a model whose calcium is given reads it from a table; give model = \"land_2017\", or \
+            let advice = "only a model with prescribed calcium reads it from a table; give model = \"land_2017\", or \
                           leave the table out";
             return exclude("cell.model", "cell.calcium", advice);
         }
@@ -372,7 +372,7 @@ fn support(file: &RunFile, run: &Run) -> Checked {
         return exclude("mechanics.support", "mechanics.end_stretch", advice);
     }
     if holder == Some("afterloaded-ends") && run.numerics.method.is_in_time() {
-        let advice = "an end that leaves its stop can only be followed along equilibria; give integrator = \
+        let advice = "afterloaded ends need a quasi-static run; give integrator = \
                       \"quasi-static\", or --integrator quasi-static";
         return exclude("numerics.integrator", "mechanics.support", advice);
     }
@@ -407,13 +407,13 @@ fn method(file: &RunFile, run: &Run) -> Checked {
         (
             run.active == ActiveLaw::Ends,
             "mechanics.active",
-            "loads on the ends push the cell from outside and have no path of equilibria; use \
+            "loads on the ends act from outside the cell, so a quasi-static run cannot follow them; use \
              active = \"fibre\", or integrator = \"verlet\"",
         ),
         (
             run.numerics.engine.loops != Loops::Auto,
             "numerics.engine",
-            "a quasi-static run has no engine; leave it out, or use integrator = \"verlet\"",
+            "a quasi-static run does not use it; leave it out, or use integrator = \"verlet\"",
         ),
         (
             file.has("numerics.time_step"),

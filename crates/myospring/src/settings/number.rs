@@ -45,7 +45,7 @@ pub enum NumberError {
         key: String,
     },
     /// Several numbers have that name.
-    #[error("`{name}` may be any of: {}; write which", keys.join(", "))]
+    #[error("`{name}` is ambiguous; write one of: {}", keys.join(", "))]
     Several {
         /// The requested name.
         name: String,

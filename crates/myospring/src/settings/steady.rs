@@ -25,7 +25,7 @@ pub enum CacheError {
     #[error(transparent)]
     Steady(#[from] SteadyError),
     /// The folder or its file cannot be written.
-    #[error("the steady state cannot be kept in `{path}`: {cause}", path = path.display())]
+    #[error("the steady state cannot be stored in `{path}`: {cause}", path = path.display())]
     Write {
         /// The file or folder.
         path: PathBuf,
@@ -127,7 +127,7 @@ pub(super) fn steady_state(
             Err(why) => {
                 let path = path.display();
                 told = Some(format!(
-                    "the steady state in `{path}` {why}; it was paced and written anew"
+                    "the steady state in `{path}` {why}; it was computed and written again"
                 ));
             }
         },

@@ -156,7 +156,7 @@ pub fn settings(method: SolverSettings) -> String {
     let SolverSettings { method, step_ms, tolerance } = method;
     let version = env!("CARGO_PKG_VERSION");
     format!(
-        "# What the beats in this folder depend on.\n# version {version}\nmethod = \"{method}\"\n\
+        "# The settings of the beats in this folder.\n# version {version}\nmethod = \"{method}\"\n\
          step_ms = {step_ms:?}\ntolerance = {tolerance:?}\n"
     )
 }

@@ -10,15 +10,15 @@ pub const TABLE_EVERY: Duration = Duration::from_secs(5);
 /// Returns the message for members whose recorded results are damaged.
 pub fn damaged(count: usize, members: &str) -> String {
     format!(
-        "the results of {count} {members} that were kept here were changed or damaged since; they are computed anew"
+        "the stored results of {count} {members} were changed or damaged; they are computed again"
     )
 }
 
 /// What to say of members that were done with another input than they have now.
 pub fn changed(count: usize, members: &str) -> String {
     format!(
-        "{count} {members} that were kept here had another input (another picture, other values by the parameters or the \
-         sampling); they are computed anew"
+        "{count} stored {members} had other input (another picture, other parameters or another sampling); they are \
+        computed again"
     )
 }
 

@@ -15,7 +15,7 @@ pub enum TensionMapError {
     },
     /// Too little was seen.
     #[error(
-        "the cell has {squares} squares of {alike_um:.1} um with points that were found; a map needs {least} or more"
+        "points were found in {squares} squares of {alike_um:.1} um of the cell; a map needs {least} or more"
     )]
     TooLittle {
         /// Squares with points.
@@ -27,7 +27,8 @@ pub enum TensionMapError {
     },
     /// The cell is not shorter.
     #[error(
-        "the cell does not contract along its fibres (even tension {tension_kpa:.3} kPa), so there is nothing to map"
+        "the cell does not contract along its fibres (uniform tension {tension_kpa:.3} kPa), so there is nothing to \
+        map"
     )]
     NoContraction {
         /// The even tension that is nearest, kPa.

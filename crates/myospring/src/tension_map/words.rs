@@ -49,10 +49,10 @@ impl TensionMap {
     /// The sentence that takes the place of a map that is not known.
     pub fn why_not_known(&self) -> String {
         format!(
-            "This film does not tell where the cell pulls: in {:.0} % of the cell the standard deviation is above half of \
-             the tension. The even tension that comes nearest to the film is {:.1} kPa, the mean of a map would be {:.1} \
-             kPa. Larger subsets, a sharper film or one that shows the whole cell, and the support that the cell has, may \
-             tell more.",
+            "This film does not show where the cell pulls: in {:.0} % of the cell the standard deviation is above \
+            half of the tension. The uniform tension that fits the film best is {:.1} kPa, the mean of a map would \
+            be {:.1} kPa. Try larger subsets, a sharper film, one that shows the whole cell, or the true support of \
+            the cell.",
             100.0 * self.doubtful_part(),
             self.even_kpa,
             self.mean_kpa
@@ -65,21 +65,22 @@ impl TensionMap {
         let mut words = Vec::new();
         if self.is_uneven() {
             words.push(format!(
-                "the tension differs from place to place (an even one would look so in {:.1} % of such films); parts \
-                 smaller than {:.0} um run together",
+                "the tension differs from place to place (a uniform one would look as uneven in {:.1} % of such \
+                films); parts smaller than {:.0} um are not resolved",
                 100.0 * chance,
                 self.resolution_um()
             ));
         } else {
             words.push(format!(
-                "no unevenness can be told from this film: an even tension would look so in {:.0} % of such films",
+                "this film shows no difference between places: a uniform tension would look as uneven in {:.0} % of \
+                such films",
                 100.0 * chance
             ));
         }
         if self.is_uneven() && self.misfit_um > LEFT * self.even_misfit_um {
             words.push(format!(
-                "the map explains little of the motion: it leaves {:.3} um where an even tension leaves {:.3} um, so the \
-                 cell moves unlike its model (stiffness, support, fibres)",
+                "the map explains little of the motion: its residual is {:.3} um, that of a uniform tension {:.3} \
+                um. The model of the cell does not fit (stiffness, support, fibres)",
                 self.misfit_um, self.even_misfit_um
             ));
         }
@@ -88,8 +89,8 @@ impl TensionMap {
             words[0] = self.why_not_known();
         } else if doubtful > MUCH {
             words.push(format!(
-                "in {:.0} % of the cell, hatched in the figure, the standard deviation is above half of the tension: do not \
-                 read single places there",
+                "in {:.0} % of the cell, hatched in the figure, the standard deviation is above half of the \
+                tension: do not use single places there",
                 100.0 * doubtful
             ));
         }
@@ -97,25 +98,25 @@ impl TensionMap {
         let none = none / self.tensions_kpa.len().max(1) as f64;
         if none > MUCH && self.is_known() {
             words.push(format!(
-                "{:.0} % of the cell has no tension: it gives way or is drawn out there, or moves unlike its model",
+                "{:.0} % of the cell has no tension: it yields or is stretched there, or the model does not fit it",
                 100.0 * none
             ));
         }
         if self.held_at_cut > 0 {
             words.push(format!(
-                "the frame cuts the cell: {} points at the cut are held where they were seen, which makes up for what pulls \
-                 beyond it",
+                "the frame cuts the cell: {} points at the cut are held at their measured positions, to replace the \
+                forces from beyond the cut",
                 self.held_at_cut
             ));
         }
         let modulus = simulation.material.young_modulus();
         words.push(match simulation.support {
             SupportKind::ElasticBed { stiffness } => format!(
-                "the tensions are in proportion to the stiffness that was taken, {modulus} kPa of the cell and \
-                 {stiffness} kPa/um of its bed"
+                "the tensions are proportional to the assumed stiffness, {modulus} kPa of the cell and {stiffness} \
+                kPa/um of its bed"
             ),
             _ => format!(
-                "the tensions are in proportion to the stiffness that was taken, {modulus} kPa"
+                "the tensions are proportional to the assumed stiffness, {modulus} kPa"
             ),
         });
         words

@@ -177,7 +177,7 @@ fn an_even_cell_is_said_to_be_even() {
     let simulation = pulled.simulation(mesh);
     let map = TensionMap::of(&simulation, &seen).unwrap();
     assert!(!map.is_uneven(), "{}", map.chance_even);
-    assert!(map.verdicts(&simulation)[0].contains("no unevenness can be told"));
+    assert!(map.verdicts(&simulation)[0].contains("this film shows no difference between places"));
     assert!((map.mean_kpa - 35.0).abs() < 0.5, "{}", map.mean_kpa);
 }
 
@@ -311,7 +311,7 @@ fn places_whose_standard_deviation_exceeds_half_of_their_tension_are_doubtful_an
     let most = with_doubts(0.7);
     let words = most.verdicts(&simulation);
     assert!(
-        !most.is_known() && words[0].contains("does not tell where the cell pulls"),
+        !most.is_known() && words[0].contains("does not show where the cell pulls"),
         "{words:?}"
     );
     assert!(

@@ -128,7 +128,7 @@ fn words(given: &Scatter) -> Vec<(Mark, String)> {
     if there > DOTS
         && let Some((_, words)) = all.first_mut()
     {
-        words.push_str(" (the darker, the more)");
+        words.push_str(" (darker where there are more)");
     }
     all
 }

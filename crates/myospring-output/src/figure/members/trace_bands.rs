@@ -96,8 +96,8 @@ pub fn trace_bands(
     let [median, half, most] = COLOURS[0];
     let mut entries = vec![
         (Mark::Line(median), format!("median of {words}")),
-        (Mark::Patch(half), "half of them".to_owned()),
-        (Mark::Patch(most), "9 of 10".to_owned()),
+        (Mark::Patch(half), "middle half".to_owned()),
+        (Mark::Patch(most), "middle 90 %".to_owned()),
     ];
     if panels.iter().any(|panel| !panel.usual.is_empty()) {
         entries.push((Mark::Dashed(INK), "unchanged run".to_owned()));

@@ -295,8 +295,8 @@ fn numbers(found: &[Found<'_>]) -> Section<'static> {
         })
     };
     Section {
-        hint: "Mean, standard deviation and range over the beats that count: whole ones, and what those cut at the end \
-               still show."
+        hint: "Mean, standard deviation and range over the beats that count. Beats cut at the end count in the \
+            numbers that they show."
             .to_owned(),
         ..Section::new("metrics", "Numbers", each(found, table))
     }

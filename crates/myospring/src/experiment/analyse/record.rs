@@ -130,7 +130,7 @@ pub fn conventions(treatment: &Treatment) -> String {
         parts.push(format!("frames are missing, ms: {}", times.join(" ")));
     }
     if let Some([frequency, amplitude]) = treatment.hum {
-        parts.push(format!("hum of {frequency:.2} Hz taken off, amplitude {amplitude:.4}"));
+        parts.push(format!("hum of {frequency:.2} Hz removed, amplitude {amplitude:.4}"));
     }
     parts.join("; ")
 }

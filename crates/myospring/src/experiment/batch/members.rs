@@ -82,7 +82,7 @@ fn of_table(
     let beside = folder.or(table.parent()).unwrap_or(Path::new(""));
     let pictures = read_table(&bytes, &table.display().to_string(), beside).map_err(|error| {
         ExperimentError::new(error).advise(
-            "a table has a line for each picture, like\n  file,pixel_size,group\n  dish1/a.tif,0.27 um,control\n\
+            "a table has a row for each picture, like\n  file,pixel_size,group\n  dish1/a.tif,0.27 um,control\n\
              with files named relative to the folder given, or else to the table",
         )
     })?;
@@ -98,7 +98,7 @@ fn of_table(
         if left > 0 {
             let (folder, table) = (folder.display(), table.display());
             notes.push(format!(
-                "{left} pictures in `{folder}` are not in `{table}` and were passed over"
+                "{left} pictures in `{folder}` are not in `{table}` and were not read"
             ));
         }
     }

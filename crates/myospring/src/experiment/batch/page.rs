@@ -145,7 +145,7 @@ fn gallery(rows: &[CellRow], small: impl Fn(&CellRow) -> Option<Vec<u8>>) -> Sec
         thumbnails.push(thumbnail);
     }
     let hint = match missing {
-        0 => "The outline that was taken. The folder `overlays` has the whole pictures.".to_owned(),
+        0 => "The cell's outline. The folder `overlays` has the whole pictures.".to_owned(),
         missing => {
             format!("{missing} more cells are not shown; the folder `overlays` has all of them.")
         }

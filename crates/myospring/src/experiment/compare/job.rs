@@ -138,7 +138,7 @@ impl Compare {
             }
         }
         if jobs.len() < 2 {
-            return Err(ExperimentError::new("one run is nothing to compare").advise(
+            return Err(ExperimentError::new("a comparison needs two or more runs").advise(
                 "give two or more result folders or run files, or change one with --scale or --doses",
             ));
         }
@@ -171,7 +171,7 @@ impl Compare {
             check_folder(folder, files)?;
             if !self.settings.is_empty() {
                 return Err(ExperimentError::new(format!(
-                    "`{}` holds results, which options do not change",
+                    "`{}` holds results, and options cannot change them",
                     folder.display()
                 ))
                 .advise(format!("give {} to run it anew", file.display())));

@@ -47,7 +47,7 @@ pub(super) fn write(
         })
         .collect();
     let Some(shown) = shown else {
-        observer.warn("there is no report.html, since not every cell can be meshed as it was");
+        observer.warn("report.html is left out: not every cell can be meshed as in its run");
         return Ok(());
     };
     let owned: Vec<Owned> =

@@ -175,7 +175,7 @@ pub(super) fn other_pictures(sides: &[Side], files: &[&RunFile]) -> Option<Strin
             && side.shape_sha256 != first.shape_sha256
     })?;
     Some(format!(
-        "the runs {} and {} name one file as their cell, but it was another one then",
+        "the runs {} and {} read their cell from the same file, but the file changed between them",
         first.label, changed.label
     ))
 }
@@ -246,8 +246,8 @@ fn doubts(folder: &Path, is_drawn: bool) -> Vec<String> {
     let mut doubts = Vec::new();
     if !is_drawn {
         doubts.push(format!(
-            "the cell of `{}` is not drawn: there is no frames.npz, and its run.toml does not give the same curves \
-             again; --outputs frames keeps the frames",
+            "the cell of `{}` is not drawn: there is no frames.npz, and its run.toml does not reproduce its curves; \
+            --outputs frames writes frames.npz",
             folder.display()
         ));
     }

@@ -79,11 +79,11 @@ impl EndSprings {
         let table = files.table(&self.path, options)?;
         let [curve] = table.curves.as_slice() else {
             return Err(ExperimentError::new(format!(
-                "`{}` has {} curves; a loaded curve is one",
+                "`{}` has {} curves; --loaded takes one",
                 self.path.display(),
                 table.curves.len()
             ))
-            .advise("--mean takes the mean of all, --columns chooses one"));
+            .advise("--mean uses the mean of all, --columns chooses one"));
         };
         between_springs(self.stiffness, curve, beats)
     }

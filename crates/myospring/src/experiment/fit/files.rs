@@ -122,7 +122,7 @@ impl Shared<'_> {
                 let page = page::html(name, fit, self, &run, &run_file, (&simulation, &outcome))?;
                 folder.write(&format!("{within}{FILE}"), page)?;
             }
-            Err(error) => observer.warn(&format!("{name}: there is no {FILE}: {error}")),
+            Err(error) => observer.warn(&format!("{name}: {FILE} was not written: {error}")),
         }
         Ok(())
     }

@@ -48,7 +48,7 @@ impl FitCell {
                 .advise("name a measured curve, --to cell.csv, or a film: myospring fit film.avi")),
             ([], Some(cell)) if is_of_tables(cell) => {
                 let path = cell.display();
-                Err(ExperimentError::new(format!("`{path}` has curves, it is no film"))
+                Err(ExperimentError::new(format!("`{path}` holds curves, not a film"))
                     .advise(format!("name measured curves like this: myospring fit --to {path}")))
             }
             ([], Some(one)) => Ok(Some(one)),
@@ -56,7 +56,7 @@ impl FitCell {
             (several, _) => match several.iter().find(is_film) {
                 None => Ok(None),
                 Some(film) => Err(ExperimentError::new(format!(
-                    "`{}` is no table of curves; a film stands alone",
+                    "`{}` is a film, not a table of curves; fit one film alone, or tables of curves",
                     film.display()
                 ))),
             },
@@ -102,7 +102,7 @@ impl FollowedFilm {
             [] => COLUMNS[0].0.to_owned(),
             [Column::Name(name)] => name.clone(),
             [Column::Number(number)] => number.to_string(),
-            _ => return Err(ExperimentError::new("--columns: of a film one column is fitted")),
+            _ => return Err(ExperimentError::new("--columns: give one column of a film")),
         };
         let Some((name, kind, unit, read)) = COLUMNS.into_iter().find(|(name, ..)| *name == wanted)
         else {

@@ -99,8 +99,9 @@ fn certainty(fit: &Fit, more: &[String]) -> Section<'static> {
     let hint = match profiles.len() {
         0 => "",
         _ => {
-            "Rise of chi squared when one number is held and the others are fitted again; the 95 % interval ends where it \
-             reaches the dashed line. The green dot is the fitted value. A model that does not fit has no intervals."
+            "Rise of chi squared when one number is fixed and the others are fitted again; the 95 % interval ends \
+            where the curve reaches the dashed line. The green dot is the fitted value. A model that does not fit \
+            has no intervals."
         }
     };
     Section {

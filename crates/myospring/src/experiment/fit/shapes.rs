@@ -97,7 +97,7 @@ impl Shapes {
             strain("Measured, at its peak", &peak.measured, measured, limits),
             strain("Fitted, at its peak", &peak.simulated, fitted, limits),
             Map {
-                name: "How far apart they are".to_owned(),
+                name: "Distance between the two".to_owned(),
                 positions: &peak.simulated.positions,
                 values: peak.distances_um.clone(),
                 quantity: "Distance (\u{b5}m)".to_owned(),

@@ -120,7 +120,7 @@ impl WrittenOutputs {
     pub fn errors(&self) -> Vec<String> {
         let failed =
             self.0.iter().filter_map(|(word, written)| Some((word, written.error.as_ref()?)));
-        failed.map(|(word, error)| format!("{word} is not among the results: {error}")).collect()
+        failed.map(|(word, error)| format!("{word} was not written: {error}")).collect()
     }
 
     /// The file that people open, if there is one.

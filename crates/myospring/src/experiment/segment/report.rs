@@ -167,7 +167,7 @@ pub(super) fn notes(
         if !cut.is_empty() {
             let numbers: Vec<String> = cut.iter().map(|cell| cell.number.to_string()).collect();
             notes.push(format!(
-                "{} of {count} cells are cut by the frame and were left out ({}); --allow-cut takes them",
+                "{} of {count} cells are cut by the frame and were left out ({}); --allow-cut includes them",
                 cut.len(),
                 numbers.join(", ")
             ));
@@ -181,7 +181,7 @@ pub(super) fn notes(
             cut => (format!(", of which the frame cuts {cut}"), "all that are whole"),
         };
         notes.push(format!(
-            "the picture has {count} cells{whole}; --cell all writes {words}, --cell N or --seed X,Y another"
+            "the picture has {count} cells{whole}; --cell all writes {words}, --cell N or --seed X,Y another one"
         ));
     }
     for Chosen { cell, lattice, fibres } in chosen {

@@ -89,7 +89,7 @@ impl Experiment for ReadWholeFrame {
             FibreDirection::LongAxis | FibreDirection::Angle(_) => {
                 let message = "--whole-frame reads the fibres from the picture";
                 return Err(ExperimentError::new(message)
-                    .advise("leave --fibre away, or give --fibre picture"));
+                    .advise("leave --fibre out, or give --fibre picture"));
             }
         };
         let bytes = self.run.shape.bytes(|file| files.bytes(file))?;

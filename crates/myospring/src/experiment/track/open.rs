@@ -36,8 +36,8 @@ pub(super) fn open(
         }
         let file = path.display();
         failure.advise(format!(
-            "give a film, or the folder that holds all its pictures; of a picture `myospring run {file}` beats the cell, \
-             and `myospring fit {file} --to CURVE.csv` fits it to a curve"
+            "give a film, or the folder that holds all its pictures; for a picture `myospring run {file}` simulates \
+            the cell, and `myospring fit {file} --to CURVE.csv` fits it to a curve"
         ))
     };
     let about = fs::metadata(path).map_err(|error| ExperimentError::unread(path, &error))?;

@@ -263,8 +263,8 @@ fn warnings(followed: &Followed, rows: &[TrackRow]) -> Vec<String> {
         let given = followed.frames_per_second;
         if (own / given - 1.0).abs() > 0.01 {
             warnings.push(format!(
-                "the film says {own:.4} frames a second, but {given} were given and are used (what a film says is \
-                 often how fast it is to be shown)"
+                "the film says {own:.4} frames a second, but {given} were given and are used (a film often states \
+                the speed of playback)"
             ));
         }
     }

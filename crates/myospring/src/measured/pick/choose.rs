@@ -263,7 +263,7 @@ impl Picked<'_> {
             self.notes.push(note);
         }
         if others.is_empty() {
-            return Err(self.error("it has no column of values beside the times"));
+            return Err(self.error("it has no column of values besides the times"));
         }
         Ok(others)
     }

@@ -203,7 +203,7 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--sarcomere-reference",
         "LENGTH",
-        "Length of the sarcomere at which the cell model's stretch is 1 (\"1.71 um\")",
+        "Length of the sarcomere at which the cell model's stretch is 1",
     ),
     Setting::new(
         "mechanics.support",

@@ -161,7 +161,7 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--wave-speed",
         "SPEED",
-        "Speed at which each stimulus, and its calcium, travels along the cell (\"100 um/s\")",
+        "Speed at which each stimulus, and its calcium, travels along the cell",
     ),
 ];
 

@@ -21,7 +21,7 @@ impl ParameterStudy {
             |(name, bytes): (&String, &Vec<u8>)| format!("# file {name:?} {}\n", sha256(bytes));
         let files: String = common.files().iter().map(file).collect();
         format!(
-            "# What the members in this folder depend on; a study goes on only with the same.\n\
+            "# The settings of the members in this folder; a study continues only with the same ones.\n\
              # version {}, kind {:?}, beat {:?}, traces {}\n# metrics {}\n# varied {}\n{files}\n{}",
             env!("CARGO_PKG_VERSION"),
             self.kind,

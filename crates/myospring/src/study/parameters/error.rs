@@ -74,7 +74,7 @@ pub enum ParameterStudyError {
     },
     /// Nothing says how many members there are, and where they lie.
     #[error(
-        "[sampling] is missing; it says how many members there are and where they lie, like sampler = \
+        "[sampling] is missing; it sets the number of members and their values, like sampler = \
          \"latin-hypercube\" with size = 100"
     )]
     NoSampling,

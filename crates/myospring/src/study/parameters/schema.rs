@@ -135,6 +135,6 @@ fn sampling() -> Value {
             table["properties"][*name] = own[*name].clone();
         }
     }
-    tables["description"] = "How many members there are, and where they lie.".into();
+    tables["description"] = "The number of members, and how their values are chosen.".into();
     tables
 }

@@ -286,7 +286,7 @@ impl Common {
             return no("it starts from the model's initial state, not from steady_state");
         }
         match self.keys().find(|key| !starts(key, &TENSION_ONLY)) {
-            Some(key) => no(&format!("`{key}` is of the mesh")),
+            Some(key) => no(&format!("`{key}` belongs to the mesh")),
             None => Ok(()),
         }
     }

@@ -28,16 +28,19 @@ pub(super) fn notes(
         }
     }
     if !cut.is_empty() {
-        notes.push(format!("left out, for the frame cuts them (--allow-cut): {}", cut.join(", ")));
+        notes.push(format!(
+            "left out because the frame cuts them (--allow-cut includes them): {}",
+            cut.join(", ")
+        ));
     }
     if !unusual.is_empty() {
         let unusual = unusual.join(", ");
-        notes.push(format!("left out, for their size (--min-area, --max-area): {unusual}"));
+        notes.push(format!("left out because of their size (--min-area, --max-area): {unusual}"));
     }
     let more = others.len().saturating_sub(MOST_NOTES);
     notes.extend(others.into_iter().take(MOST_NOTES));
     if more > 0 {
-        notes.push(format!("and {more} more of such notes, which the table has"));
+        notes.push(format!("and {more} more such notes, listed in the table"));
     }
     notes
 }
@@ -72,10 +75,7 @@ impl fmt::Display for LeftOut {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Cut { pixels } => {
-                write!(
-                    out,
-                    "the frame cuts it ({pixels} pixels); --allow-cut beats it nevertheless"
-                )
+                write!(out, "the frame cuts it ({pixels} pixels); --allow-cut includes it")
             }
             Self::Area(reason) => out.write_str(reason),
             Self::Doubtful(reason) => write!(out, "doubtful, {reason}"),

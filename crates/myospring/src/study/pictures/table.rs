@@ -45,7 +45,7 @@ pub enum TableError {
     },
     /// Two columns of one meaning.
     #[error(
-        "`{table}`, line 1: the columns {first} and {second} both stand for `{name}`; leave one out"
+        "`{table}`, line 1: the columns {first} and {second} both mean `{name}`; leave one out"
     )]
     SameColumn {
         /// The table.
@@ -90,7 +90,7 @@ pub enum TableError {
     },
     /// A line that says what another one says.
     #[error(
-        "`{table}`, line {line} says the same as line {first}: the cell would count twice; leave one out, or give them \
+        "`{table}`, line {line} repeats line {first}: the cell would count twice; leave one out, or give them \
          seeds"
     )]
     Twice {
@@ -102,7 +102,7 @@ pub enum TableError {
         first: u64,
     },
     /// Nothing below the header.
-    #[error("`{table}` names no picture; give each a line below the names of the columns")]
+    #[error("`{table}` lists no picture; give each a row below the names of the columns")]
     Empty {
         /// The table.
         table: String,

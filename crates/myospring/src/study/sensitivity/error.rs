@@ -5,7 +5,8 @@
 pub enum SensitivityError {
     /// Another number of answers than a design has rows.
     #[error(
-        "{answers} answers are no whole number of {of} of {rows} rows for {parameters} parameters; analyse all rows of the design, in its order"
+        "{answers} answers are not a multiple of {rows}, the rows of one of the {of} for {parameters} parameters; \
+        analyse all rows of the design, in its order"
     )]
     Rows {
         /// Answers given.
@@ -19,7 +20,7 @@ pub enum SensitivityError {
     },
     /// Hardly anything is left.
     #[error(
-        "only {whole} of {all} {of} have an answer in every row; 2 are needed: look why members failed"
+        "only {whole} of {all} {of} have an answer in every row; 2 are needed: see why members failed"
     )]
     TooFew {
         /// Groups without a failure.
