@@ -11,7 +11,7 @@ use crate::terminal::Terminal;
 use crate::{input, interrupt, print};
 use myospring::experiment::fit::{EndSprings, FitCell};
 use myospring::experiment::{Folder, Outcome as _};
-use myospring::fit::Sought;
+use myospring::fit::FitOptions;
 use myospring::output::json;
 use myospring::settings::Value;
 use myospring::study::Threads;
@@ -77,7 +77,7 @@ fn asked(args: &FitArgs) -> Result<FitCell, Failure> {
         table: table::options(&args.table, pixel, until)?,
         beats: table::beats(&args.stimuli, None, false)?,
         loaded: args.loaded.iter().map(|text| spring(text)).collect::<Result<_, _>>()?,
-        sought: Sought {
+        sought: FitOptions {
             free: args.free.clone(),
             fix: args.fix.clone(),
             bounds: args.bounds.iter().map(|text| bounds(text)).collect::<Result<_, _>>()?,

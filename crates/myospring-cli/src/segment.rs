@@ -10,7 +10,7 @@ use crate::input::ending;
 use crate::terminal::Terminal;
 use crate::{input, interrupt, print};
 use myospring::experiment::refused::{Place, is_all_there_is};
-use myospring::experiment::segment::{ENDINGS, ReadWholeFrame, Segment, beside, check};
+use myospring::experiment::segment::{ENDINGS, ReadWholeFrame, Segment, check, overlay_path};
 use myospring::experiment::{Experiment, Folder, Outcome, save};
 use myospring::output::json;
 use myospring::settings::Run;
@@ -44,7 +44,7 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
         run,
         all: args.settings.all_cells(),
         refused: Some(match args.output.first().filter(|_| !is_folder) {
-            Some(first) => Place::File(beside(first)),
+            Some(first) => Place::File(overlay_path(first)),
             None => Place::Folder(target.clone()),
         }),
         of_cut: args

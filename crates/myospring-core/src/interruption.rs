@@ -28,7 +28,7 @@ impl Interruption {
     }
 
     /// Whether work shall end.
-    pub fn is_asked(&self) -> bool {
+    pub fn is_requested(&self) -> bool {
         self.0.as_ref().is_some_and(|asked| asked())
     }
 
@@ -37,7 +37,7 @@ impl Interruption {
     /// # Errors
     /// [`Interrupted`].
     pub fn check(&self) -> Result<(), Interrupted> {
-        if self.is_asked() { Err(Interrupted) } else { Ok(()) }
+        if self.is_requested() { Err(Interrupted) } else { Ok(()) }
     }
 }
 

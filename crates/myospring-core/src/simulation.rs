@@ -1,8 +1,8 @@
 //! The loop: cell tension in, shape out.
 //!
-//! Every exchange interval the [`Activation`], a cell model unless another is
-//! given, moves on under what it feels of the mesh; its tension goes to the mesh (linearly over the
-//! interval), and the masses follow. Every output interval a [`Sample`](crate::recording::Sample) is recorded,
+//! In every exchange interval the [`Activation`], by default a cell model, advances under the
+//! stretch of the mesh. Its tension acts on the mesh, linearly interpolated over the interval, and
+//! the masses follow. Every output interval a [`Sample`](crate::recording::Sample) is recorded,
 //! every frame interval a [`Frame`](crate::recording::Frame).
 //!
 //! ```text
@@ -11,15 +11,16 @@
 //! |-|-|-|-|-|   masses: n equal steps, tension linear in between
 //! ```
 //!
-//! Where the tension depends on the stretch that it causes, both are found together (see `coupler`).
+//! Where the tension depends on the stretch that it causes, both are solved together (see
+//! `coupler`).
 //!
-//! [`Simulation::build`] checks everything and makes a run ready by the method that the settings name: in
-//! time ([`Prepared`]), along the path of equilibria ([`PreparedPath`]), or, where the tension differs from
-//! place to place, from equilibrium to equilibrium ([`PreparedField`]); the loop is the same (`course`). What it makes
-//! owns all that it needs and can be sent to a thread.
+//! [`Simulation::build`] checks everything and prepares a run by the method of the settings: in
+//! time ([`Prepared`]), along the path of equilibria ([`PreparedPath`]), or, where the tension
+//! differs from place to place, from equilibrium to equilibrium ([`PreparedField`]). The loop is
+//! the same (`course`). A prepared run owns all its data and can be sent to a thread.
 //!
 //! A value that is not a number, an inverted triangle or a spring without length stops the run with
-//! the time and the place; what was recorded up to there is kept.
+//! the time and the place; what was recorded until then is returned.
 
 mod beats;
 mod capture;
@@ -86,13 +87,13 @@ pub struct Numerics {
     pub exchange_interval: f64,
     /// Interval of the recorded samples, ms, a multiple of the exchange interval; 0.5.
     pub output_interval: f64,
-    /// Interval of the recorded shapes, ms, a multiple of the output interval; 5. The shape at the peak
-    /// of tension is kept besides.
+    /// Interval of the recorded shapes, ms, a multiple of the output interval; 5. The shape at the
+    /// peak of tension is recorded, too.
     pub frame_interval: f64,
     /// Integration of the cell model.
     pub cell: SolverSettings,
-    /// What moves the masses in time: the fastest that can, on one thread. How many threads pay for so many
-    /// masses says [`crate::integrate::stencil::worthwhile_threads`].
+    /// Engine of a run in time: by default the fastest that can move this mesh, on one thread.
+    /// [`crate::integrate::stencil::worthwhile_threads`] gives the useful number of threads.
     pub engine: Engine,
 }
 
@@ -110,35 +111,35 @@ impl Default for Numerics {
     }
 }
 
-/// Part of the stability limit that the default time step takes.
+/// The default time step as a part of the stability limit.
 ///
 /// The limit is that of the resting shape under peak tension. Beats of the built-in cell are stable at
 /// 0.998 of it at 12 % shortening and at 0.98 of it at 34 %.
 pub const SAFETY: f64 = 0.95;
 
-/// What peak the cell model's tension has when it is scaled to the peak tension in kPa.
+/// Which peak of the cell model's tension is scaled to the peak tension in kPa.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TensionScale {
     /// That of the model's published parameters ([`TensionKind::Relative`](crate::cell::TensionKind::Relative)): a changed parameter
     /// changes the strength of the cell.
     Published,
-    /// That of the model as it is, by a reference beat of its own: every cell has the same peak tension,
-    /// whatever its parameters.
+    /// That of the model with its own parameters, from a reference beat: every cell has the same
+    /// peak tension, whatever its parameters.
     OwnPeak,
 }
 
-/// Whose stretch a cell model feels that feels any.
+/// Which stretch acts on a cell model that depends on stretch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StretchFelt {
-    /// That of the whole cell, so one model serves it.
+    /// That of the whole cell, with one model.
     Cell,
-    /// That of each triangle along its fibre: a model for each.
+    /// That of each triangle along its fibre, with a model for each.
     Triangle,
 }
 
-/// All that a run is made of.
+/// The complete description of a run.
 ///
 /// # Example
 /// ```
@@ -171,10 +172,10 @@ pub struct Simulation {
     pub peak_tension: f64,
     /// Whose peak is scaled to it.
     pub tension_scale: TensionScale,
-    /// Whose stretch the cell model feels, if it feels any.
+    /// Which stretch acts on a cell model that depends on stretch.
     pub stretch_felt: StretchFelt,
-    /// What makes the tension instead of the cell model, in its state at 0 ms; cell model, protocol, peak
-    /// tension and whose peak it is do not matter then.
+    /// Source of the tension instead of the cell model, in its state at 0 ms; cell model, protocol,
+    /// peak tension and its scaling are then not used.
     pub activation: Option<Box<dyn Activation>>,
     /// The mesh at rest.
     pub mesh: Mesh,
@@ -182,21 +183,22 @@ pub struct Simulation {
     pub long_axis: [f64; 2],
     /// Fibre direction in each triangle, unit vectors.
     pub fibres: Vec<[f64; 2]>,
-    /// Content of myofibrils in each triangle relative to that of the cell, which its tension is in proportion
-    /// to; `None` is 1 everywhere.
+    /// Content of myofibrils in each triangle relative to that of the cell; tension is proportional
+    /// to it. `None` is 1 everywhere.
     pub myofibril_content: Option<Vec<f64>>,
-    /// Stretch along the fibre of each triangle of the cell at rest, as the cell model feels it: the length of its
-    /// sarcomeres over that at which the model's stretch is 1; `None` is 1 everywhere. A model of the whole cell feels
-    /// the mean. The shape at rest stays as it is.
+    /// Stretch along the fibre of each triangle of the cell at rest, as it acts on the cell model:
+    /// the length of its sarcomeres over that at which the model's stretch is 1; `None` is 1
+    /// everywhere. For a model of the whole cell the mean is used. It does not change the shape at
+    /// rest.
     pub resting_stretch: Option<Vec<f64>>,
-    /// Speed at which each stimulus, and what follows from it, travels along the long axis from the end where that
-    /// starts, um/ms; `None` is at once everywhere.
+    /// Speed at which each stimulus travels along the long axis from the end where the axis starts,
+    /// um/ms; `None` stimulates the whole cell at once.
     pub wave_speed: Option<f64>,
-    /// What the cell is made of.
+    /// Material of the cell.
     pub material: Material,
     /// How the active tension acts.
     pub active: ActiveLaw,
-    /// What holds the cell.
+    /// Support of the cell.
     pub support: SupportKind,
     /// Distance of clamped ends relative to that of the cell at rest, a pure number: above 1 the cell is stretched
     /// before it beats. 1 with any other support.
@@ -205,10 +207,10 @@ pub struct Simulation {
     pub duration: f64,
     /// Numerical settings.
     pub numerics: Numerics,
-    /// Another way through time than Verlet's, for a motion in time. Its time step is that of the numerical
-    /// settings, however long; unless stated, what Verlet's method would have.
+    /// Another integrator instead of Verlet's, for a run in time. Its time step is that of the
+    /// numerical settings, even above the stability limit; by default that of Verlet's method.
     pub stepper: Option<MakeStepper>,
-    /// What may end the preparation or the run early; a run keeps what it has recorded.
+    /// Interruption that ends the preparation or the run early; a run returns what it has recorded.
     pub interruption: Interruption,
 }
 
@@ -218,7 +220,7 @@ pub type MakeStepper =
 
 impl Simulation {
     /// The experiment of `coelho_2021` on any mesh: its cell model stimulated once at 50 ms, 50 kPa
-    /// along the long axis, mass centre fixed, our default material, 600 ms.
+    /// along the long axis, mass centre fixed, the default material, 600 ms.
     pub fn new(mesh: Mesh) -> Self {
         let cell = coelho_2021::model();
         let long_axis = quality::long_axis(&mesh);

@@ -201,7 +201,7 @@ impl PictureCells {
     ///
     /// # Errors
     /// A picture or outlines that cannot be read, no pixel size, or outlines outside the picture.
-    pub fn given(
+    pub fn with_outlines(
         bytes: &[u8],
         outlines: &[u8],
         file_name: &str,

@@ -1,26 +1,28 @@
 //! `report.html`: the result of any experiment as one page that needs nothing else.
 //!
-//! A [`Page`] is a head (title, facts, the answer in one line, warnings) and a list of [`Section`]s, each of parts of a
-//! few kinds ([`Part`]): beating cells with their curves, charts, tables, thumbnails, figures, sentences, text to keep.
-//! An experiment composes its own sections; nothing here or in the page's script knows which experiment it is.
-//! [`Runs`] makes the sections of runs, [`Chart::of_curve`] and [`Chart::of_fit`] charts of measured and fitted curves.
+//! A [`Page`] is a head (title, facts, the answer in one line, warnings) and a list of
+//! [`Section`]s, each of parts of a few kinds ([`Part`]): beating cells with their curves, charts,
+//! tables, thumbnails, figures, sentences, text to copy. An experiment composes its own sections;
+//! nothing here or in the page's script knows which experiment it is. [`Runs`] makes the sections
+//! of runs, [`Chart::of_curve`] and [`Chart::of_fit`] charts of measured and fitted curves.
 //!
-//! The page itself (HTML, style, drawing) has its source in the folder `page/` of this crate; here it is put
-//! together (`template`) and gets its data. It asks nothing of any network, and forbids itself to.
+//! The page itself (HTML, style, drawing) has its source in the folder `page/` of this crate; here
+//! it is assembled (`template`) and gets its data. It needs no network, and its content policy
+//! forbids any.
 //!
-//! Its size is bounded: squares of the lattice or several of them in one (`display`), frames that the eye can
-//! distinguish, displacements in 16 bits: 2 MB for the frames of all cells. All charts have 120 000 numbers (1 MB), a
-//! figure above 400 kB becomes a picture of pixels, a gallery 3 MB, a table 1000 rows. `payload.d.ts` beside the
-//! page's source describes the data.
+//! Its size is bounded: squares of the lattice or several of them in one (`display`), frames that
+//! the eye can distinguish, displacements in 16 bits: 2 MB for the frames of all cells. All charts
+//! have 120 000 numbers (1 MB), a figure above 400 kB becomes a picture of pixels, a gallery 3 MB,
+//! a table 1000 rows. `payload.d.ts` in the page's source describes the data.
 
 mod cell;
 mod chart;
+mod content;
 mod display;
 mod error;
 mod fields;
 mod figure;
 mod frames;
-mod given;
 mod html;
 mod payload;
 mod photograph;
@@ -30,9 +32,9 @@ mod template;
 
 pub use cell::{BeatingCells, MovingCell};
 pub use chart::{Chart, Dot, Series, Side, Span, Tone};
+pub use content::{Answer, Page, Part, Quality, Section};
 pub use error::PageError;
 pub use figure::{Drawing, Thumbnail};
-pub use given::{Answer, Page, Part, Quality, Section};
 pub use html::html;
 pub use photograph::Photograph;
 pub use runs::{Difference, PageRun, ParameterGroup, ParameterRow, Runs};

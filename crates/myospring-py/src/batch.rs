@@ -130,7 +130,7 @@ struct Stopped<'a>(&'a Interruption);
 
 impl StudyObserver<Variation> for Stopped<'_> {
     fn finished(&self, _member: &Variation, _rows: &[VariationRow]) -> bool {
-        !self.0.is_asked()
+        !self.0.is_requested()
     }
 
     fn interruption(&self) -> Interruption {

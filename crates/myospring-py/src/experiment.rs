@@ -29,7 +29,7 @@ impl Watch {
     fn new(progress: Progress, interruption: &Interruption) -> Self {
         let has_raised = Arc::new(AtomicBool::new(false));
         let (asked, raised) = (interruption.clone(), Arc::clone(&has_raised));
-        let ends = move || raised.load(Ordering::Relaxed) || asked.is_asked();
+        let ends = move || raised.load(Ordering::Relaxed) || asked.is_requested();
         Self {
             progress,
             interruption: Interruption::when(ends),

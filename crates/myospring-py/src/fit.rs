@@ -7,7 +7,7 @@ use crate::waiting::interruptible;
 use crate::{beat, errors, settings, words};
 use myospring::experiment::fit::{FitCell, Fits, Shapes, between_springs, observed, of_table};
 use myospring::experiment::{BeatOptions, Files};
-use myospring::fit::{self, FitError, Loaded, Sought};
+use myospring::fit::{self, FitError, FitOptions, Loaded};
 use myospring::measured::{self, Column, Curve, Kind, ReadError, TableOptions};
 use myospring::output::files;
 use myospring::output::json;
@@ -85,11 +85,11 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
-    fn sought(&self) -> Sought {
+    fn sought(&self) -> FitOptions {
         let Self { free, fix, bounds, starts, seed, .. } = self;
         let bounds = bounds.iter().map(|(name, (low, high))| (name.clone(), [*low, *high]));
         let (free, fix, bounds) = (free.clone(), fix.clone(), bounds.collect());
-        Sought { free, fix, bounds, starts: *starts, seed: *seed }
+        FitOptions { free, fix, bounds, starts: *starts, seed: *seed }
     }
 
     fn beats(&self) -> BeatOptions {

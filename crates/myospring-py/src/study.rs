@@ -126,7 +126,7 @@ impl Study {
                 journal = if force {
                     Journal::begin_anew(output, &settings, &reads)?
                 } else {
-                    Journal::open_beside(output, &settings, &reads)?
+                    Journal::open_protecting(output, &settings, &reads)?
                 };
                 common = common.keeping_traces(output, Shard::WHOLE)?;
                 common.check_curves(&study.members(Shard::WHOLE), &journal)?;

@@ -1,9 +1,9 @@
-//! Experiments: what a laboratory does in one go, from files and options to numbers, figures and a folder of results.
+//! Experiments: each takes files and options to numbers, figures and a folder of results.
 //!
-//! Each experiment is one module with a description that implements [`Experiment`]; what comes of it is an
-//! [`Outcome`], which knows its numbers and warnings and writes itself into a [`Folder`]. The program, Python and
-//! whoever else offers an experiment parse options, show progress through an [`Observer`], and print. Nothing here
-//! prints, and nothing is kept for the whole process: [`Files`] remembers what was read.
+//! An experiment is a module with a description that implements [`Experiment`]. Its result is an
+//! [`Outcome`], which has numbers and warnings and writes itself into a [`Folder`]. The program and
+//! Python parse options, show progress through an [`Observer`], and print. Nothing here prints, and
+//! there is no global state: [`Files`] remembers what was read.
 
 pub mod analyse;
 pub mod batch;
@@ -42,18 +42,20 @@ use std::path::{Path, PathBuf};
 
 /// The description of an experiment: its files and options.
 pub trait Experiment {
-    /// What comes of it.
+    /// The result.
     type Outcome: Outcome;
 
-    /// Does the experiment. Nothing is written.
+    /// Runs the experiment. Nothing is written.
     ///
     /// # Errors
-    /// Files that cannot be read or do not hold what the experiment needs, and options that do not fit them.
+    ///
+    /// Files that cannot be read or do not hold what the experiment needs, and options that do not
+    /// fit them.
     fn run(&self, files: &Files, observer: &dyn Observer)
     -> Result<Self::Outcome, ExperimentError>;
 }
 
-/// What came of an experiment.
+/// The result of an experiment.
 pub trait Outcome {
     /// All numbers, in the form of `summary.json`.
     fn numbers(&self) -> impl Serialize;
@@ -68,7 +70,8 @@ pub trait Outcome {
     fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError>;
 }
 
-/// Writes an outcome into a folder, which `force` lets replace earlier results; where the results are.
+/// Writes an outcome into a folder and returns where the results are; with `force` they replace
+/// earlier results.
 ///
 /// # Errors
 /// Those of [`Folder::claim`], [`Outcome::save`] and [`Folder::finish`]; the folder is then as it was before.

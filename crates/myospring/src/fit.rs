@@ -1,18 +1,21 @@
 //! A cell's own parameters from its measured curve, and how sure they are.
 //!
-//! A curve of one free cell tells little: how far it shortens, which is tension over stiffness, and how fast. So that is
-//! what is sought ([`Unknown`]), with a delay and the length at rest; stiffness itself shows under a known load alone
-//! (several curves in one fit), and whatever a curve does not tell is said to be so.
+//! The curve of a free cell determines little: how far the cell shortens, which is tension over
+//! stiffness, and how fast. So these numbers are fitted ([`Unknown`]), with a delay and the length
+//! at rest. The stiffness itself is determined only under a known load (several curves in one fit).
+//! A number that the curve does not determine gets the verdict [`Verdict::NotDetermined`].
 //!
-//! The method is Levenberg's and Marquardt's (`more_1978`) within bounds, from several starts, since thresholds in the
-//! tension equations make local minima. Residuals are taken over the noise that the cell at rest shows; single bad frames
-//! are left out. How sure an answer is says the profile of its likelihood (`raue_2009`): one number is held, all others
-//! are sought anew, until chi squared has risen by 3.84 times the variance of what is left (few frames: by the square of
-//! Student's quantile). Profiles go out and come back, also from where other starts ended, and take the lower way; one
-//! that goes below the answer makes it the answer.
+//! The method is Levenberg's and Marquardt's (`more_1978`) within bounds, from several starts,
+//! since thresholds in the tension equations make local minima. Residuals are taken over the noise
+//! that the cell at rest shows; single bad frames are left out. Intervals come from the profile of
+//! the likelihood (`raue_2009`): one number is fixed and all others are fitted again, until chi
+//! squared has risen by 3.84 times the variance of the residuals (for few frames by the square of
+//! Student's quantile). Profiles run outwards and back, also from the ends of other starts, and
+//! keep the lower value; if one finds a lower chi squared than the answer, that becomes the answer.
 //!
-//! Intervals are of a model that follows its curve. Where the residuals have structure, fewer frames count as independent
-//! of each other, which widens them; where the structure is large ([`FitVerdict::DoesNotFit`]) there are none.
+//! Intervals are valid only for a model that fits its curve. Where the residuals have structure,
+//! fewer frames count as independent of each other, which widens them; where the structure is large
+//! ([`FitVerdict::DoesNotFit`]) there are none.
 //!
 //! # Example
 //! ```
@@ -58,5 +61,5 @@ pub use choice::of_each_cell;
 pub use error::FitError;
 pub use fitter::{Fitter, Loaded};
 pub use observed::{Observed, Scale, Stimuli};
-pub use settings::{FitSettings, Sought};
+pub use settings::{FitOptions, FitSettings};
 pub use unknown::Unknown;

@@ -1,27 +1,32 @@
-//! Where a cell pulls: the map of its active tension, from the way its points went in a film.
+//! Where a cell pulls: the map of its active tension, from the displacements of its points in a
+//! film.
 //!
-//! The active forces of the triangles are linear in their tensions, so at given positions an equilibrium is, too. The
-//! positions of a film have noise, though, and the cell's stiff springs make much force of little noise; so a misfit is
-//! not counted in force but in um: the way from where the points were seen to where the tensions would have them, by the
-//! cell's own compliance. [`TensionMap::of`] seeks the tensions `T >= 0` with the least
+//! The active forces of the triangles are linear in their tensions, so at given positions an
+//! equilibrium is, too. But the positions in a film have noise, and the cell's stiff springs turn
+//! little noise into large forces. So the misfit is measured in um, not in force: the distance
+//! between the measured positions and the equilibrium under the tensions. [`TensionMap::of`] finds
+//! the tensions `T >= 0` that minimise
 //!
 //! ```text
 //! |u - u(T)|^2 + lambda |grad T|^2
 //! ```
 //!
-//! over the squares of [`ObservedPeak::alike_um`], each of which has one error; how the whole cell was shifted and turned is left
-//! open. `u(T)` is the equilibrium under T, made linear where the last round has led (Gauss and Newton), and T is bilinear
-//! between the points of a grid.
+//! over the squares of [`ObservedPeak::alike_um`], each of which has one error; shift and rotation
+//! of the whole cell are free. `u(T)` is the equilibrium under T, linearised at the last iterate
+//! (Gauss and Newton), and T is bilinear between the points of a grid.
 //!
-//! - `lambda` is that of least generalised cross-validation (`golub_1979`); the even tension is its limit.
-//! - The standard deviations are those of the posterior of which this is the top (`wahba_1983`), which count what is too
-//!   small to be seen as well as noise.
-//! - Where the frame cuts the cell ([`ObservedPeak::cut`]) the part that is not seen pulls at it. The points there are held where
-//!   they were seen, whatever force it takes.
-//! - Whether the cell pulls unevenly at all is tested: how often an even tension with such noise would gain as much.
+//! - `lambda` minimises the generalised cross-validation score (`golub_1979`); a uniform tension is
+//!   the limit of large `lambda`.
+//! - The standard deviations are those of the posterior whose maximum this is (`wahba_1983`); they include noise and
+//!   details too small to be resolved.
+//! - Where the frame cuts the cell ([`ObservedPeak::cut`]) the part beyond the frame pulls at it. The points there are
+//!   held at their measured positions.
+//! - A test decides whether the cell pulls unevenly: how often a uniform tension with such noise
+//!   would look as uneven.
 //!
-//! The map rests on the cell's stiffness, and on that of its support: all tensions are in proportion to them. And whatever
-//! else makes the cell move unlike its model, such as a stiffer nucleus, is taken for tension.
+//! The map depends on the assumed stiffness of the cell and of its support: all tensions are
+//! proportional to them. Anything else that makes the cell move unlike its model, such as a stiffer
+//! nucleus, counts as tension.
 //!
 //! # Example
 //! ```

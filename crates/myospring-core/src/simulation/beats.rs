@@ -1,7 +1,8 @@
-//! Trains of beats of a cell model on the equilibria of a mesh, of which the shortening alone is wanted: what fits ask for.
+//! The shortening of a cell model on the equilibria of a mesh in trains of beats, as fits need it.
 //!
-//! Cell and equilibria meet as in a run ([`Coupler`]), seldom enough for a curve. A cell whose calcium is given takes steps of
-//! a higher order and repeats a steady beat (`given_calcium`).
+//! Cell and equilibria are coupled as in a run ([`Coupler`]), with an interval that suffices for a
+//! curve. A cell with prescribed calcium uses a method of higher order and repeats a steady beat
+//! (`given_calcium`).
 
 use super::coupler::{Coupler, Shaping};
 use super::equilibria::TensionResponse;
@@ -17,30 +18,32 @@ use crate::exchange::{ActivationBounds, WholeCell};
 use crate::mechanics::Tension;
 use std::sync::Arc;
 
-/// Fixed steps of a cell without a potential, ms: a longer one moves a curve by less than 1e-6 of its height.
+/// Fixed steps of a cell without a potential, ms: this step changes a curve by less than 1e-6 of
+/// its height.
 const STEP_MS: f64 = 0.4;
 
 /// A cell model on the equilibria of a mesh.
 pub struct Beating<'a> {
-    /// Protocol, peak tension of a tension that is relative, state at the start, what the cell is made of and how its
-    /// model is integrated.
+    /// Protocol, peak tension of a relative tension, start state, material, and integration of the
+    /// cell model.
     pub simulation: &'a Simulation,
     /// The model, instead of that of the simulation.
     pub cell: &'a Arc<dyn CellModel>,
-    /// Factor on the peak tension of one that is relative.
+    /// Factor on the peak of a relative tension.
     pub strength: f64,
     /// The mesh.
     pub response: &'a dyn TensionResponse,
 }
 
 impl Beating<'_> {
-    /// Whether steady beats are repeated, so that trains cost little. Others begin as they are: what was before is left out.
+    /// Whether steady beats are repeated, so that trains cost little. Other cells start from their
+    /// initial state; earlier beats are left out.
     pub fn repeats(&self) -> bool {
         given_calcium::serves(self.simulation, &**self.cell)
     }
 
-    /// Shortening, a part of the length before a beat, at every interval of a train from the first stimulus that is wanted
-    /// on.
+    /// Shortening, a part of the length before a beat, at every interval of a train from the first
+    /// requested stimulus on.
     ///
     /// # Errors
     /// Why there is no such curve.
@@ -52,7 +55,7 @@ impl Beating<'_> {
             return given.shortening(train);
         }
         let interval = train.interval_ms();
-        // The first stimulus is one of the times at which both meet.
+        // The first stimulus falls on an exchange.
         let waits = (self.simulation.protocol.start_ms / interval).floor();
         let protocol = Protocol {
             start_ms: waits * interval,
@@ -88,7 +91,7 @@ impl Beating<'_> {
     ) -> Result<WholeCell, SolveError> {
         let Self { simulation, cell, strength, .. } = *self;
         let mut settings = simulation.numerics.cell;
-        // Made for the action potential's upstroke; nothing in myofilaments is as fast.
+        // The default step is for the upstroke of the action potential; myofilaments are slower.
         if settings.method == CellMethod::RungeKutta4
             && cell.potential(&cell.initial_state()).is_none()
         {
@@ -107,13 +110,13 @@ impl Beating<'_> {
     }
 }
 
-/// A mesh at rest, of which nothing but its stretch is known.
+/// A mesh in equilibrium, of which only the stretch is known.
 struct OnResponse<'a> {
     response: &'a dyn TensionResponse,
     lag: Lag,
-    /// Over which a tension is followed, ms.
+    /// Exchange interval, ms.
     interval: f64,
-    /// The tension that shapes it, kPa.
+    /// The tension at which it is in equilibrium, kPa.
     tension: f64,
     marked: f64,
 }

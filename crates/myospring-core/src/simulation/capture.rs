@@ -4,7 +4,7 @@ use super::Outcome;
 use crate::analysis::beat::Beats;
 use crate::analysis::value;
 
-/// What a person should know of the rhythm.
+/// Warnings about the rhythm.
 pub(super) fn rhythm(outcome: &Outcome) -> Vec<String> {
     let beats = outcome.beats();
     [missed(&beats), beats.rhythm.alternans.clone(), missed_s2(&beats)]

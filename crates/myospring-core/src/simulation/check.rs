@@ -1,4 +1,4 @@
-//! What a simulation is checked for before it runs.
+//! Checks of a simulation before it runs.
 
 use super::{Simulation, StretchFelt};
 use crate::exchange::{ActivationBounds, Sites};
@@ -7,10 +7,10 @@ use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::material::Stiffness;
 use crate::mechanics::support::SupportKind;
 
-/// A setting that no run can have.
+/// An invalid setting.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SettingError {
-    /// A number out of range, or none.
+    /// A number out of range, or not a number.
     #[error("{what} is {value}{gap}{unit}; it must be {must}", gap = if unit.is_empty() { "" } else { " " })]
     Value {
         /// Which setting.
@@ -46,7 +46,7 @@ pub enum SettingError {
         /// Number of triangles.
         expected: usize,
     },
-    /// An entry of a list that is out of range, or no number.
+    /// An entry of a list that is out of range, or not a number.
     #[error("{what} of triangle {triangle} is {value}; it must be {must}")]
     Entry {
         /// Which list.
@@ -58,7 +58,7 @@ pub enum SettingError {
         /// What it must be.
         must: &'static str,
     },
-    /// More shapes than there is room for.
+    /// More shapes than fit into memory.
     #[error(
         "{shapes:.0} shapes of {masses} masses take {gigabytes:.1} GB of memory, more than {most:.1} GB; take a frame \
          interval of {interval:.0} ms or more, a shorter run or a coarser mesh"
@@ -68,11 +68,11 @@ pub enum SettingError {
         shapes: f64,
         /// Masses of the mesh.
         masses: usize,
-        /// What the shapes would take.
+        /// Memory that the shapes would take.
         gigabytes: f64,
-        /// What they may take.
+        /// Memory that they may take.
         most: f64,
-        /// The shortest frame interval that does, ms.
+        /// The shortest possible frame interval, ms.
         interval: f64,
     },
     /// Two choices that exclude each other.
@@ -87,11 +87,11 @@ pub enum SettingError {
     },
 }
 
-/// Part by which a quotient of two intervals may miss a whole number, and a unit vector its length: far above
-/// rounding, far below what anybody means.
+/// Tolerance of whole quotients of intervals and of the length of unit vectors: far above rounding,
+/// far below any intended difference.
 const SLACK: f64 = 1e-6;
 
-/// Stretches that a cell at rest may have, held or of its own.
+/// Allowed stretches of a cell at rest.
 const RESTING_STRETCH: std::ops::RangeInclusive<f64> = 0.5..=1.5;
 
 type Checked = Result<(), SettingError>;
@@ -120,8 +120,8 @@ pub const MOST_FRAMES: f64 = 1e5;
 /// half of it.
 pub const MOST_FRAME_MEMORY: f64 = 4e9;
 
-/// Whether an interval holds a whole number of a shorter one, but for what decimal fractions lose as binary
-/// numbers.
+/// Whether an interval is a multiple of a shorter one, up to the rounding of decimal fractions to
+/// binary numbers.
 ///
 /// # Example
 /// ```
@@ -139,7 +139,8 @@ fn is_no_unit(length: f64) -> bool {
     length.is_nan() || (length - 1.0).abs() > SLACK
 }
 
-/// What an activation says to expect: finite, and slopes that hold the mesh and do not drive it.
+/// Checks the bounds that an activation states: they must be finite, and their slopes must
+/// stabilise the mesh.
 pub(super) fn check_strongest(strongest: ActivationBounds) -> Checked {
     let ActivationBounds { tension, per_stretch, per_rate } = strongest;
     if !tension.is_finite() {
@@ -151,7 +152,7 @@ pub(super) fn check_strongest(strongest: ActivationBounds) -> Checked {
 }
 
 impl Simulation {
-    /// Whether the tension is made in each triangle.
+    /// Whether each triangle has its own activation.
     pub fn has_sites_in_triangles(&self) -> bool {
         if let Some(activation) = &self.activation {
             return matches!(activation.sites(), Sites::PerElement(_));
@@ -210,7 +211,7 @@ impl Simulation {
         let field = self.has_sites_in_triangles();
         let numbers = 2 * masses + if field { self.mesh.simplices.len() } else { 0 };
         let bytes = (numbers * size_of::<f64>()) as f64;
-        // One at 0 ms, and one at the peak of tension.
+        // Two more: at 0 ms, and at the peak of tension.
         let shapes = duration / interval + 2.0;
         if shapes * bytes <= MOST_FRAME_MEMORY {
             return Ok(());

@@ -1,21 +1,21 @@
-//! How activation and mesh find each other, interval by interval: in a run and wherever a cell beats on its equilibria.
+//! The coupling of activation and mesh, interval by interval, in runs and in fits.
 //!
-//! - **Stretch does not change the tension** (`tangent` is `None`): the activation moves on under the stretch at the start of the
-//!   interval, and the mesh follows its tension: explicit exchange.
-//! - **One site that feels**: tension and length at the end of the interval are found together, by trying
-//!   tensions from the same start until the activation answers with the one that was tried. The answer falls
-//!   as the tension rises (a stronger pull shortens the cell, and a shorter one pulls less), so there is one
-//!   solution between a tension and what it is answered with; secants find it, bisection keeps them in. At
-//!   equilibrium the tension goes evenly to it over the interval, which is of second order. In time it acts over the
-//!   whole interval (backward Euler): one that rose towards it would swing ever more where it depends steeply on the rate.
+//! - **Stretch does not change the tension** (`tangent` is `None`): the activation advances under the stretch at the
+//!   start of the interval, and the mesh follows its tension: explicit exchange.
+//! - **One site that depends on stretch**: tension and length at the end of the interval are solved together. Trial
+//!   tensions start from the same state until the activation returns the trial tension. The returned tension falls as
+//!   the trial tension rises (a larger tension shortens the cell, and a shorter cell has less tension), so there is one
+//!   solution between them. The secant method finds it, safeguarded by bisection. At equilibrium the tension rises
+//!   linearly to it over the interval, which is of order 2. In time it acts over the whole interval (backward Euler); a
+//!   linear rise would oscillate where the tension depends steeply on the rate.
 //! - **A site for each triangle, in time**: within the interval the tension of each triangle follows its own
 //!   stretch and rate by the activation's tangent, in every step of the masses ([`Following`]). The time step
 //!   is stable under the steepest tangent that the activation states
-//!   ([`crate::exchange::ActivationBounds`]). At the end the activation moves on under that stretch; where the
-//!   tangent has missed its answer by more than a thousandth of the strongest tension, the interval is
-//!   repeated with the tangent there.
-//! - **A site for each triangle, at equilibrium**: the tangent joins the mesh's own, and the equilibrium
-//!   with it is repeated about the stretch it has found until that stays.
+//!   ([`crate::exchange::ActivationBounds`]). At the end the activation advances under that stretch. If the tension of
+//!   the tangent differs from it by more than a thousandth of the strongest tension, the interval is repeated with the
+//!   new tangent.
+//! - **A site for each triangle, at equilibrium**: the tangent is added to that of the mesh, and the equilibrium
+//!   is iterated until its stretch no longer changes.
 
 use super::StopReason;
 use super::held::Held;
@@ -25,57 +25,58 @@ use crate::exchange::{
 };
 use crate::mechanics::{Following, Tension};
 
-/// What gives the mesh its shape under a tension: a motion in time, or equilibria.
+/// A mesh that takes a shape under a tension: by motion in time, or along equilibria.
 pub(super) trait Shaping {
-    /// Whether it is at rest under every tension, so that a rate is a difference of two rests.
+    /// Whether it is always in equilibrium, so that a rate is a difference of two equilibria.
     fn is_static(&self) -> bool;
     /// Follows the tension, linear over an exchange interval that ends at a time (ms).
     fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason>;
-    /// Remembers the present state.
+    /// Stores the present state.
     fn mark(&mut self);
-    /// Goes back to the state that was remembered.
+    /// Restores the stored state.
     fn back(&mut self);
     /// Stretch of the whole cell now, or that of each triangle along its fibre where the activation has its sites there.
     fn stretch_now(&self) -> Vec<f64>;
 }
 
-/// Most tries of an exchange that is found by trying.
+/// Largest number of iterations of an exchange.
 const TRIES: usize = 60;
-/// Part of the strongest tension to which a tension that was tried and the answer to it agree.
+/// Tolerance between a trial tension and the resulting tension, as a part of the strongest tension.
 const AGREED: f64 = 1e-10;
-/// Part of the strongest tension above which a step tells the slope of the answer well.
+/// Smallest step from which the slope is computed, as a part of the strongest tension.
 const ROUNDED: f64 = 1e-6;
-/// Part of the strongest tension by which the tangent may miss the tension of a triangle at the end of an
-/// interval.
+/// Tolerance of the tangent for the tension of a triangle at the end of an interval, as a part of
+/// the strongest tension.
 const FOLLOWED: f64 = 1e-3;
-/// Change of a stretch from one equilibrium to the next that ends the repetition.
+/// Change of a stretch from one equilibrium to the next that ends the iteration.
 const STAYED: f64 = 1e-11;
 
-/// The meeting of one activation and one mesh.
+/// The coupling of one activation and one mesh.
 pub(super) struct Coupler<'a> {
     pub(super) activation: Box<dyn Activation>,
-    /// At the end of the last interval.
+    /// Tension at the end of the last interval.
     pub(super) tension: Held,
     strongest: ActivationBounds,
-    /// Of the triangles, for the mean tension.
+    /// Volumes of the triangles, for the mean tension.
     volumes: &'a [f64],
-    /// Between meetings, ms.
+    /// Exchange interval, ms.
     every: f64,
     stretch: Vec<f64>,
     rate: Vec<f64>,
     /// Time over which a change of stretch has its mean rate, ms; endless before the run begins.
     interval: f64,
-    /// Of one site what the last interval tells of the next.
+    /// For one site, the prediction from the last interval.
     last: Option<Last>,
 }
 
-/// What an interval tells of the next: where the tension is going, and how the answer to one that is tried changes with it.
+/// Prediction of the next interval: the change of the tension, and the derivative of the residual.
 #[derive(Debug, Clone, Copy)]
 struct Last {
-    /// Change of the tension over the interval, kPa, and how much more it was than over the one before.
+    /// Change of the tension over the interval, kPa, and its difference from that over the interval
+    /// before.
     change: [f64; 2],
-    /// Of what the answer is above the tension that was tried, per kPa, -1 or steeper; and how much more it was than in the
-    /// interval before.
+    /// Derivative of the residual `T_model(T) - T` with respect to `T`, at most -1, and its
+    /// difference from that in the interval before.
     slope: [f64; 2],
 }
 
@@ -96,8 +97,8 @@ impl Last {
 }
 
 impl<'a> Coupler<'a> {
-    /// Of an activation and the most that is to be expected of it; both meet every `every` ms. A mean tension weighs
-    /// triangles by their volumes.
+    /// The coupling of an activation with the stated bounds and a mesh, every `every` ms. The mean
+    /// tension is weighted by the volumes of the triangles.
     pub(super) fn new(
         activation: Box<dyn Activation>,
         strongest: ActivationBounds,
@@ -118,14 +119,14 @@ impl<'a> Coupler<'a> {
         }
     }
 
-    /// Moves the activation on under these stretches and the mean rates that lead to them.
+    /// Advances the activation under these stretches and the mean rates that lead to them.
     fn ask(&mut self, time: f64, stretch: &[f64], rate: &[f64]) -> Result<(), StopReason> {
         let failed = |ActivationError(cause)| StopReason::CellModel { cause };
         self.activation.advance(time, StretchState { stretch, rate }).map_err(failed)?;
         self.check_answer(time).map_err(|cause| StopReason::CellModel { cause })
     }
 
-    /// Whether the activation answers for as many sites as it has, within what it said to expect.
+    /// Checks that the activation returns a value for each site, within the bounds that it stated.
     fn check_answer(&self, time: f64) -> Result<(), String> {
         let sites = self.activation.sites();
         match (sites, self.activation.tension()) {
@@ -152,7 +153,7 @@ impl<'a> Coupler<'a> {
                     sites.count()
                 ));
             }
-            // A hair for rounding.
+            // A margin for rounding.
             let within = |slope: &f64| (0.0..=most * (1.0 + 1e-9)).contains(slope);
             if let Some(site) = slopes.iter().position(|slope| !within(slope)) {
                 return Err(format!(
@@ -165,8 +166,8 @@ impl<'a> Coupler<'a> {
         Ok(())
     }
 
-    /// Before the run begins: a mesh that is at rest under every tension is at rest under this one; one that moves in time
-    /// feels its stretch.
+    /// Before the run begins: a mesh along equilibria starts in equilibrium with the activation;
+    /// for one in time the activation gets its stretch.
     pub(super) fn begin(&mut self, shaping: &mut impl Shaping) -> Result<(), StopReason> {
         if shaping.is_static() {
             self.activation.at_equilibria();
@@ -187,7 +188,7 @@ impl<'a> Coupler<'a> {
         Ok(())
     }
 
-    /// Takes activation and mesh over one interval.
+    /// Advances activation and mesh by one interval.
     pub(super) fn pass(
         &mut self,
         time: f64,
@@ -198,8 +199,8 @@ impl<'a> Coupler<'a> {
         let feels = self.activation.tangent().is_some();
         let from_rest_to_rest =
             feels && shaping.is_static() && matches!(self.activation.sites(), Sites::PerElement(_));
-        // From rest to rest it is first asked where the mesh is going, which takes it there in fewer tries; one site is asked
-        // with each tension that is tried.
+        // Along equilibria the activation first advances with the predicted stretch, which needs
+        // fewer iterations; a single site advances with each trial tension.
         let tried = feels && matches!(self.activation.sites(), Sites::Whole);
         if !from_rest_to_rest && !tried {
             let (stretch, rate) = (self.stretch.clone(), self.rate.clone());
@@ -230,17 +231,17 @@ impl<'a> Coupler<'a> {
         now.iter().zip(&self.stretch).map(rate).collect()
     }
 
-    /// One site: the tension that the activation answers with when it is tried.
+    /// One site: the tension that the activation returns at the stretch that this tension causes.
     fn find_together(&mut self, time: f64, shaping: &mut impl Shaping) -> Result<(), StopReason> {
         let start = self.tension.tension().at(0);
         let ActivationBounds { tension: strongest, per_stretch, per_rate } = self.strongest;
         let strongest = strongest.abs();
-        // A stretch near 1 and that before it round, which comes back as tension.
+        // Rounding of two stretches near 1, converted to tension.
         let rounding = 2.0 * f64::EPSILON * (per_stretch.abs() + per_rate.abs() / self.interval);
         let enough = (AGREED * strongest.max(start.abs())).max(rounding);
         shaping.mark();
         let goes_evenly = shaping.is_static() && self.interval.is_finite();
-        // What the answer is above the tension that was tried.
+        // The residual `T_model(T) - T`.
         let mut excess = |tension: f64, this: &mut Self| {
             shaping.back();
             let from = if goes_evenly { start } else { tension };
@@ -260,16 +261,16 @@ impl<'a> Coupler<'a> {
             }
             miss => miss?,
         };
-        // Without a last interval a small step tells the slope, which is -1 or steeper.
+        // Without a last interval a small step gives the slope, which is at most -1.
         let first = 1e-3 * strongest;
         let mut step = foretold.map_or(miss.clamp(-first, first), |[_, slope]| -miss / slope);
         let mut slope = foretold.map_or(-1.0, |[_, slope]| slope);
         // The highest tension known to be too low, and the lowest known to be too high.
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        // Why the mesh cannot bear a tension, which is then too high.
+        // Why there is no shape under a tension, which is then too high.
         let mut refused = None;
         for _ in 0..TRIES {
-            // Rounding in the length comes back as tension, and no smaller step of it tells anything.
+            // Smaller steps are below the rounding of the length, converted to tension.
             let last = high - low <= AGREED * enough || step.abs() <= f64::EPSILON * tension.abs();
             if miss.abs() <= enough || last {
                 self.tension = Held::Uniform(tension);
@@ -302,7 +303,7 @@ impl<'a> Coupler<'a> {
                 Err(reason) => return Err(reason),
             };
             let secant = (there - miss) / (next - tension);
-            // Of a step within the rounding it is none.
+            // A slope from a step within the rounding is not used.
             if secant < 0.0 && (next - tension).abs() > ROUNDED * strongest {
                 slope = secant;
             }
@@ -312,7 +313,7 @@ impl<'a> Coupler<'a> {
         Err(refused.unwrap_or(StopReason::NoExchange { time, tension, miss }))
     }
 
-    /// The activation's tangent about a stretch, as the forces take it.
+    /// The activation's tangent about a stretch, in the form that the forces need.
     fn law(&self, stretch: &[f64], rate: &[f64], whole: bool) -> [Vec<f64>; 5] {
         let tension = Held::of(self.activation.tension());
         let list = (0..stretch.len()).map(|e| tension.tension().at(e)).collect();
@@ -323,7 +324,7 @@ impl<'a> Coupler<'a> {
             |t| (t.per_stretch.to_vec(), t.per_rate.to_vec()),
         );
         if whole {
-            // At rest a rate is a difference of stretches over the interval.
+            // Along equilibria a rate is a difference of stretches over the interval.
             let both =
                 per_stretch.iter().zip(&per_rate).map(|(s, r)| s + r / self.interval).collect();
             return [list, both, none.clone(), stretch.to_vec(), none];
@@ -360,7 +361,7 @@ impl<'a> Coupler<'a> {
         Err(StopReason::NoExchange { time, tension, miss })
     }
 
-    /// A site for each triangle, from rest to rest.
+    /// A site for each triangle, along equilibria.
     fn rest_together(&mut self, time: f64, shaping: &mut impl Shaping) -> Result<(), StopReason> {
         // Before the run begins the interval is endless, and there is no rate.
         let on = if self.interval.is_finite() { self.interval } else { 0.0 };

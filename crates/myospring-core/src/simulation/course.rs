@@ -1,4 +1,4 @@
-//! The loop of a run: activation and mesh meet every exchange interval, and what is recorded of them.
+//! The loop of a run: activation and mesh are coupled in every exchange interval and recorded.
 
 use super::coupler::{Coupler, Shaping};
 use super::observer::{Progress, RunObserver, RunPart};
@@ -9,7 +9,7 @@ use crate::exchange::Activation;
 use crate::mechanics::Vectors;
 use crate::recording::{END_FORCE, Frame, Recording, Sample, Signal};
 
-/// What a shape is recorded by; units as in [`Sample`].
+/// The recorded quantities of a shape; units as in [`Sample`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Observed {
     pub(super) length: f64,
@@ -21,13 +21,13 @@ pub(super) struct Observed {
     pub(super) dissipated_energy: f64,
     pub(super) momentum: f64,
     pub(super) angular_momentum: f64,
-    /// Where both ends are held.
+    /// Only if both ends are held.
     pub(super) end_force: Option<f64>,
 }
 
 /// A shape that can be recorded.
 pub(super) trait Observable: Shaping {
-    /// All that is recorded now.
+    /// The recorded quantities now.
     fn observe(&self) -> Observed;
     /// Positions now, um.
     fn positions(&self) -> Vectors;
@@ -39,7 +39,7 @@ impl Setup {
         Coupler::new(self.activation.boxed(), self.strongest, every, &self.volumes)
     }
 
-    /// What the sites of the activation feel of a shape.
+    /// The stretch of the activation's sites in a shape.
     pub(super) fn stretch_at(&self, positions: &Vectors) -> Vec<f64> {
         let Assembly { meter, .. } = &*self.assembly;
         match &self.fibre_stretch {
@@ -48,7 +48,7 @@ impl Setup {
         }
     }
 
-    /// Brings a mesh that is at rest under every tension, and what it feels, to rest together.
+    /// Solves for the common equilibrium of a mesh along equilibria and its activation.
     pub(super) fn settle(&self, shaping: &mut impl Shaping) -> Result<(), StopReason> {
         self.coupler().begin(shaping)
     }
@@ -84,7 +84,7 @@ impl Setup {
         let exchanges = if stop.is_some() { 0 } else { exchanges };
         for index in 0..=exchanges {
             let time = index as f64 * exchange;
-            if self.simulation.interruption.is_asked() {
+            if self.simulation.interruption.is_requested() {
                 stop = Some(StopReason::Interrupted { time });
                 break;
             }
@@ -122,7 +122,7 @@ impl Setup {
                 break;
             }
         }
-        // The shape at the peak of tension belongs to every record, whatever the frame interval.
+        // The shape at the peak of tension is always recorded, whatever the frame interval.
         if let Some(frame) = strongest {
             let place = recording.frames.partition_point(|other| other.t_ms < frame.t_ms);
             if recording.frames.get(place).is_none_or(|other| other.t_ms > frame.t_ms) {

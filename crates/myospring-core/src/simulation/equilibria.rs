@@ -1,11 +1,12 @@
-//! The equilibria of a mesh under one tension, whatever holds it.
+//! The equilibria of a mesh under one tension, with any support.
 //!
-//! Length, width, area and energies are functions of the tension alone. They are computed at nine tensions in each load
-//! step and interpolated by cubics through four of them: exact for lengths along an axis that does not turn, which are
-//! cubic polynomials of the tension. A shape is the path's own.
+//! Length, width, area and energies are functions of the tension alone. They are computed at nine
+//! tensions in each load step and interpolated by cubics through four of them: exact for lengths
+//! along an axis that does not rotate, which are cubic polynomials of the tension. Shapes come from
+//! the path itself.
 //!
-//! An afterloaded cell has two branches: clamped at its stop, and shortened against its load. Where the load would let it
-//! be longer than the stop does, it is at its stop; no memory of what was before is needed.
+//! An afterloaded cell has two branches: clamped at its stop, and shortened against its load. Until
+//! it pulls harder than the load it is at its stop, so its state does not depend on its history.
 
 use super::fault::{fault, projected_area};
 use super::setup::Assembly;
@@ -19,33 +20,34 @@ use std::sync::Arc;
 /// Intervals at whose ends a load step is measured.
 const PARTS: usize = 8;
 
-/// Where a path to a shortening looks first, kPa, and where it gives up: no cell pulls as hard.
+/// First and largest tension of a search for a shortening, kPa; no cell pulls harder than the
+/// largest.
 const FIRST_TENSION: f64 = 1.0;
 const LARGEST_TENSION: f64 = 1e5;
 
-/// Part of the tension by which more is solved than is asked for: a beat's peak differs from the reference beat's by
-/// some 1e-4, a train of beats may go on rising.
+/// Margin of the solved tensions: a beat's peak differs from that of the reference beat by some
+/// 1e-4, and in a train it may still rise.
 pub(super) const MARGIN: f64 = 1e-3;
 
-/// How a mesh at rest answers one tension: its equilibria, or a table of them.
+/// The response of a mesh in equilibrium to one tension: its equilibria, or a table of them.
 pub trait TensionResponse: Sync {
     /// Shortening, a part of the length before a beat, under a tension in kPa, and its derivative, 1/kPa.
     fn shortening(&self, tension: f64) -> [f64; 2];
     /// The largest of these derivatives, 1/kPa.
     fn steepest(&self) -> f64;
-    /// The highest tension that it knows, kPa; beyond it shortening goes on in a straight line.
+    /// The highest tension of the table, kPa; beyond it shortening is extrapolated linearly.
     fn highest(&self) -> f64;
-    /// The stretch of what is not within clamps at a shortening.
+    /// The stretch of the cell between the clamps at a shortening.
     fn stretch(&self, shortening: f64) -> f64 {
         1.0 - shortening
     }
 }
 
-/// One mesh at rest under every tension of a range.
+/// The equilibria of one mesh for every tension of a range.
 #[derive(Clone)]
 pub struct Equilibria {
     pub(super) held: Branch,
-    /// Of an afterloaded cell, away from its stop.
+    /// For an afterloaded cell: the equilibria away from its stop.
     pub(super) loaded: Option<Box<Branch>>,
 }
 
@@ -90,7 +92,7 @@ impl Branch {
         Ok(())
     }
 
-    /// Goes on to a tension, unless it ends before.
+    /// Extends the path to a tension, unless it ends before.
     fn extend_to(&mut self, simulation: &Simulation, tension: f64) -> Result<(), Interrupted> {
         if self.shapes.reaches(tension) || self.end.is_some() {
             return Ok(());
@@ -98,7 +100,7 @@ impl Branch {
         self.extend(simulation, |path| path.extend(tension))
     }
 
-    /// Goes on to a tension, which is asked for at a time of a run.
+    /// Extends the path to a tension that a run reaches at a time.
     fn reach(
         &mut self,
         simulation: &Simulation,
@@ -119,12 +121,12 @@ impl Branch {
         }
     }
 
-    /// Lowest and highest tension, kPa, up to which the shapes are without fault.
+    /// Lowest and highest tension, kPa, up to which the shapes are valid.
     pub(super) fn intact(&self) -> [f64; 2] {
         self.curve.intact
     }
 
-    /// What is measured of its shape at a tension.
+    /// The quantities of its shape at a tension.
     fn at(&self, tension: f64) -> Quantities {
         self.curve.at(tension)
     }
@@ -227,7 +229,7 @@ impl Simulation {
     }
 }
 
-/// The answer of a mesh to one tension.
+/// The response of a mesh to one tension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshResponse {
     /// Time, ms.
@@ -246,7 +248,7 @@ pub struct MeshResponse {
     pub elastic_energy_fj: f64,
 }
 
-/// A tension for which no equilibrium was asked.
+/// A tension outside the solved range.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
     "entry {index}, {tension} kPa at t = {time} ms, lies outside the equilibria that were solved, \
@@ -291,7 +293,7 @@ impl TensionResponse for Equilibria {
 }
 
 impl Equilibria {
-    /// Goes on to a tension, unless the path ends before.
+    /// Extends the path to a tension, unless it ends before.
     pub(super) fn extend_to(
         &mut self,
         simulation: &Simulation,
@@ -301,7 +303,7 @@ impl Equilibria {
         branches.try_for_each(|branch| branch.extend_to(simulation, tension))
     }
 
-    /// Goes on to a tension, which is asked for at a time of a run.
+    /// Extends the path to a tension that a run reaches at a time.
     pub(super) fn reach(
         &mut self,
         simulation: &Simulation,
@@ -326,21 +328,21 @@ impl Equilibria {
         }
     }
 
-    /// What is measured at a tension.
+    /// The quantities at a tension.
     pub(super) fn at(&self, tension: f64) -> Quantities {
         self.branch(tension).at(tension)
     }
 
-    /// The shapes and what they took; of an afterloaded cell those at its stop.
+    /// The shapes and the work they took; for an afterloaded cell those at its stop.
     pub fn shapes(&self) -> &Shapes {
         &self.held.shapes
     }
 
-    /// The answer to a series of tensions, `[time (ms), tension (kPa)]` each: as many entries, in the same
-    /// order. Nothing is solved for it.
+    /// The responses to a series of tensions, `[time (ms), tension (kPa)]` each, in the same order,
+    /// without solving further.
     ///
     /// # Errors
-    /// A tension outside the range that was solved, or that is no number.
+    /// A tension outside the range that was solved, or that is not a number.
     pub fn follow(&self, series: &[[f64; 2]]) -> Result<Vec<MeshResponse>, OutOfRange> {
         let [lowest, highest] = self.held.shapes.range();
         let one = |(index, &[time, tension]): (usize, &[f64; 2])| {
@@ -381,7 +383,7 @@ struct Curve {
     tensions: Vec<f64>,
     /// Coefficients by the tension above the begin of each.
     pieces: Vec<[Cubic; QUANTITIES]>,
-    /// Lowest and highest tension, kPa, up to which the measured shapes are without fault.
+    /// Lowest and highest tension, kPa, up to which the measured shapes are valid.
     intact: [f64; 2],
 }
 
@@ -442,7 +444,8 @@ impl Curve {
             sound.push(fault(mesh, &positions, 0.0, tension).is_none());
             before = Some((tension, positions));
         }
-        // Work counts from tension 0, which is a knot, both ways: neither knows how far the other goes.
+        // Work counts from tension 0, which is a knot, in both directions, so that it does not
+        // depend on the range.
         let rest = tensions.partition_point(|tension| *tension < 0.0);
         for above in rest + 1..values.len() {
             values[above][WORK] = values[above - 1][WORK] + added[above];
@@ -488,7 +491,7 @@ fn cubic(tensions: &[f64], values: &[Quantities], part: usize, of: usize) -> Cub
     let start = (part.max(first + 1) - 1).min(first + PARTS - 3);
     let x: [f64; 4] = std::array::from_fn(|k| tensions[start + k] - tensions[part]);
     let mut y: [f64; 4] = std::array::from_fn(|k| values[start + k][of]);
-    // Newton's divided differences: what does not change stays the same to the last bit.
+    // Newton's divided differences: a constant stays exact to the last bit.
     for order in 1..4 {
         for k in (order..4).rev() {
             y[k] = (y[k] - y[k - 1]) / (x[k] - x[k - order]);

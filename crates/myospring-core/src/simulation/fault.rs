@@ -1,4 +1,4 @@
-//! What can go wrong with a mesh that moves, and where.
+//! Faults of a moving mesh, and where they are.
 
 use super::StopReason;
 use crate::mechanics::Vectors;
@@ -10,7 +10,7 @@ pub fn projected_area(mesh: &Mesh, positions: &[Vec<f64>; 2]) -> f64 {
     mesh.simplices.iter().map(|simplex| simplex.weight * measure_at(positions, simplex.nodes)).sum()
 }
 
-/// The first thing that is wrong with a body, if anything is.
+/// The first fault of a body, if there is any.
 pub(super) fn fault(
     mesh: &Mesh,
     positions: &Vectors,

@@ -1,7 +1,8 @@
 //! A run from equilibrium to equilibrium, for a tension that differs from place to place.
 //!
-//! Such a tension has no path that could be solved in advance: at the end of every exchange interval the
-//! equilibrium under the tensions of all triangles is solved anew, from the last one on.
+//! Such a tension has no path that could be solved in advance: at the end of every exchange
+//! interval the equilibrium under the tensions of all triangles is solved, starting from the last
+//! one.
 
 use super::coupler::Shaping;
 use super::course::{Observable, Observed};
@@ -15,18 +16,18 @@ use crate::integrate::quasi_static::{Equilibrium, PathError, Tolerance};
 use crate::mechanics::{Body, Tension, Vectors};
 use crate::recording::Recording;
 
-/// A run from equilibrium to equilibrium made ready.
+/// A prepared run from equilibrium to equilibrium.
 pub struct PreparedField {
     pub(super) setup: Setup,
     tolerance: Tolerance,
 }
 
 impl Simulation {
-    /// Makes a run from equilibrium to equilibrium ready, for an activation with a site for each triangle (or
-    /// any other); time step and method of the numerical settings do not matter.
+    /// Prepares a run from equilibrium to equilibrium, for any activation, such as one with a site
+    /// for each triangle; time step and method of the numerical settings are not used.
     ///
     /// # Errors
-    /// A setting that no run can have, or forces that have no equilibria of their own.
+    /// An invalid setting, or forces without equilibria.
     pub fn prepare_field(&self, tolerance: Tolerance) -> Result<PreparedField, SetupError> {
         let setup = self.set_up()?;
         Equilibrium::new(&setup.assembly.system, &setup.assembly.body, tolerance)?;
@@ -35,13 +36,14 @@ impl Simulation {
 }
 
 impl PreparedField {
-    /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
-    /// sample and stops the run by returning `false`.
+    /// Runs to the end or to the first fault; `observe` is called at each recorded sample and stops
+    /// the run by returning `false`.
     pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
         self.run_observed(&mut Samples(observe))
     }
 
-    /// As [`PreparedField::run`], for an observer that also hears which part of the work begins.
+    /// As [`PreparedField::run`], for an observer that is also called when a part of the work
+    /// begins.
     pub fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
         let setup = &self.setup;
         let mut solved = [0; 3];
@@ -80,7 +82,7 @@ struct State {
 }
 
 impl<'a> FromRestToRest<'a> {
-    /// At rest under the tension before the run begins, as it is without stretch.
+    /// In equilibrium under the tension before the run begins, that of the unstretched cell.
     fn start(setup: &'a Setup, tolerance: Tolerance) -> Result<Self, StopReason> {
         let Assembly { system, body, .. } = &*setup.assembly;
         let broken_off =

@@ -1,17 +1,18 @@
-//! Trains of beats of a cell whose myofilaments feel its length and whose calcium is given: `land_2017` on the equilibria
-//! of a mesh.
+//! Trains of beats of a cell whose myofilaments depend on its length and whose calcium is
+//! prescribed: `land_2017` on the equilibria of a mesh.
 //!
-//! Distortions follow the rate of the stretch, which follows the tension, which follows the distortions. What a
-//! distortion has beyond the stretch itself has no such circle:
+//! Distortions depend on the rate of the stretch, which depends on the tension, which depends on
+//! the distortions. The variable `y`, a distortion minus a multiple of the stretch, avoids this
+//! implicit dependence:
 //!
 //! ```text
 //! y = zeta - A lambda,   dy/dt = -c (y + A lambda)
 //! lambda = S(Ta(XS, XW, y + A lambda, lambda))
 //! ```
 //!
-//! with `S` the equilibria. A stronger pull shortens the cell and a shorter cell pulls less, so the second line
-//! has one solution. There remain six equations without a rate on their right side, which the classical method of
-//! Runge and Kutta takes in steps of two milliseconds.
+//! with `S` the equilibria. A stronger pull shortens the cell and a shorter cell pulls less, so the
+//! second line has one solution. Six equations without a rate on their right side remain; the
+//! classical Runge-Kutta method integrates them with steps of two milliseconds.
 //!
 //! The shape of a viscous cell is that of another tension, `theta` ([`Lag`]): `lambda = S(theta)`.
 
@@ -29,26 +30,27 @@ const OF_FASTEST: f64 = 1.5;
 /// Steps of Newton's method, and the change of the stretch that ends it.
 const TRIES: usize = 40;
 const AGREED: f64 = 1e-10;
-/// A train is steady once no state changes by more than this from beat to beat: each beat brings it a hundred times
-/// closer, or more.
+/// A train is steady if no state changes by more than this from beat to beat; each beat reduces the
+/// change at least a hundredfold.
 const STEADY: f64 = 1e-9;
 
-/// The six, with `y` for the distortions, and `theta`.
+/// The six states, with `y` for the distortions, and `theta`.
 type State = [f64; STATES + 1];
 const THETA: usize = STATES;
 
-/// Myofilaments whose calcium is given, on a mesh.
+/// Myofilaments with prescribed calcium, on a mesh.
 pub(super) struct GivenCalcium<'a> {
     filaments: &'a Myofilaments,
     calcium: &'a Calcium,
     response: &'a dyn TensionResponse,
     lag: Lag,
-    /// How much a stretch distorts crossbridges; 0 while the cell rests before its first stimulus.
+    /// Distortion of crossbridges per stretch; 0 while the cell rests before its first stimulus.
     distortion: f64,
     steady: f64,
 }
 
-/// Whether a model is such, and the mesh of a simulation neither held nor begun in a way of its own.
+/// Whether this method supports the model and the simulation, whose mesh must not be held or start
+/// from its own state.
 pub(super) fn serves(simulation: &Simulation, cell: &dyn CellModel) -> bool {
     equations(cell).is_some()
         && simulation.end_stretch == 1.0
@@ -57,14 +59,15 @@ pub(super) fn serves(simulation: &Simulation, cell: &dyn CellModel) -> bool {
         && !simulation.support.clamps()
 }
 
-/// The equations and the calcium of a cell that is nothing but myofilaments with given calcium.
+/// The equations and the calcium of a cell model that consists of myofilaments with prescribed
+/// calcium.
 fn equations(cell: &dyn CellModel) -> Option<(&Myofilaments, &Calcium)> {
     let filaments = cell.filaments().filter(|_| cell.states().len() == STATES)?;
     Some((filaments.equations, filaments.calcium?))
 }
 
 impl<'a> GivenCalcium<'a> {
-    /// Of a model on a mesh; `None` where the model is not such.
+    /// For a model on a mesh; `None` if the model is not supported.
     pub(super) fn of(
         cell: &'a dyn CellModel,
         response: &'a dyn TensionResponse,
@@ -74,7 +77,7 @@ impl<'a> GivenCalcium<'a> {
         Some(Self { filaments, calcium, response, lag, distortion: 0.0, steady: STEADY })
     }
 
-    /// Shortening at every interval from the first stimulus that is wanted on.
+    /// Shortening at every interval from the first requested stimulus on.
     pub(super) fn shortening(mut self, train: &Train) -> Result<Vec<f64>, StopReason> {
         let Train { before, beats, cycle_ms } = *train;
         let (intervals, length) = (train.intervals(), train.interval_ms());
@@ -82,7 +85,7 @@ impl<'a> GivenCalcium<'a> {
             cause: format!("no stretch belongs to its tension at t = {time} ms"),
         };
         let steps = self.steps(cycle_ms, length).ok_or_else(|| none(0.0))?;
-        // Before the first stimulus nothing moves, and nothing is distorted.
+        // Before the first stimulus the cell is at rest, and nothing is distorted.
         let mut state = [0.0; STATES + 1];
         state[..STATES].copy_from_slice(&self.filaments.steady(self.calcium.rest(), 1.0));
         let mut stretch = self.stretch_at_once(&state, 1.0).ok_or_else(|| none(0.0))?;
@@ -96,7 +99,7 @@ impl<'a> GivenCalcium<'a> {
         let mut course = Vec::with_capacity(intervals);
         let mut is_steady = false;
         for beat in 0..before + beats {
-            // Once steady, each beat is as the one before.
+            // Once steady, each beat equals the one before.
             if !is_steady {
                 let was = state;
                 course.clear();
@@ -118,7 +121,7 @@ impl<'a> GivenCalcium<'a> {
         Ok(samples)
     }
 
-    /// So many steps from a time after the stimulus on.
+    /// A number of steps from a time after the stimulus on.
     fn interval(
         &self,
         state: &mut State,
@@ -182,7 +185,8 @@ impl<'a> GivenCalcium<'a> {
         stretch.is_finite().then_some(stretch)
     }
 
-    /// The stretch of the mesh under the tension that it makes at that stretch: Newton's method from a guess.
+    /// The stretch at which the mesh is in equilibrium with the tension at that stretch: Newton's
+    /// method from a guess.
     fn stretch_at_once(&self, state: &State, guess: f64) -> Option<f64> {
         let mut stretch = guess;
         for _ in 0..TRIES {
@@ -216,7 +220,8 @@ impl<'a> GivenCalcium<'a> {
                 rate.abs()
             })
             .fold(0.0, f64::max);
-        // A shape that lags is drawn by crossbridges that it distorts: no more of them than that calcium would bind.
+        // In a viscous cell crossbridges are also distorted by the lagging shape; their number is
+        // at most that which this calcium would bind.
         let bound = filaments.steady(calcium, 1.0);
         let drawn = filaments.instantaneous_stiffness(&bound, 1.0);
         let gives = self.response.steepest();

@@ -1,4 +1,4 @@
-//! A tension that is kept from one exchange to the next.
+//! A tension stored from one exchange to the next.
 
 use crate::mechanics::Tension;
 
@@ -10,7 +10,7 @@ pub(super) enum Held {
 }
 
 impl Held {
-    /// What a tension is in the state that it is known for.
+    /// A copy of a tension.
     pub(super) fn of(tension: Tension<'_>) -> Self {
         match tension {
             Tension::Uniform(tension) => Self::Uniform(tension),
@@ -19,7 +19,7 @@ impl Held {
         }
     }
 
-    /// As the forces take it.
+    /// In the form that the forces need.
     pub(super) fn tension(&self) -> Tension<'_> {
         match self {
             Self::Uniform(tension) => Tension::Uniform(*tension),

@@ -15,10 +15,10 @@ use crate::mechanics::stability::StabilityLimit;
 use crate::mechanics::{Body, System, Tension, Vectors};
 use crate::recording::Recording;
 
-/// Steps times masses after which an interruption is asked for: less than half a second.
+/// Steps times masses between checks for an interruption: less than half a second.
 const STEPS_OF_MASSES: usize = 10_000_000;
 
-/// A run in time made ready: forces assembled, time step chosen, the engine tried.
+/// A prepared run in time: forces assembled, time step chosen, engine checked.
 pub struct Prepared {
     pub(super) setup: Setup,
     /// The stability limit at peak tension.
@@ -28,7 +28,7 @@ pub struct Prepared {
     engine: EngineUsed,
     /// At rest under the tension before the first beat.
     start: Body,
-    /// Why it is not, but in the shape without tension.
+    /// Why it is not, and is instead in the shape without tension.
     pub(super) not_at_rest: Option<String>,
 }
 
@@ -37,7 +37,7 @@ impl Simulation {
     /// the numerical settings name.
     ///
     /// # Errors
-    /// A setting that no run can have, a time step above the stability limit, an engine that cannot move this
+    /// An invalid setting, a time step above the stability limit, an engine that cannot move this
     /// mesh, or a cell model without tension to scale.
     pub fn prepare(&self) -> Result<Prepared, SetupError> {
         let setup = self.set_up()?;
@@ -45,7 +45,7 @@ impl Simulation {
         let limit = setup.under_strongest(|tension| {
             StabilityLimit::of_interruptible(system, body, tension, &self.interruption)
         })?;
-        // A stepper from outside may bear more than Verlet's method.
+        // A custom stepper may be stable at larger steps than Verlet's method.
         if let Some(time_step) = self.numerics.time_step
             && self.stepper.is_none()
             && time_step > limit.time_step
@@ -56,7 +56,7 @@ impl Simulation {
             return Err(SetupError::UnstableStep { time_step, limit, node, x, y });
         }
         let wanted = self.numerics.time_step.unwrap_or(SAFETY * limit.time_step);
-        // Equal steps that fill the exchange interval; a hair of slack for rounding in the quotient.
+        // Equal steps that fill the exchange interval; with a margin for rounding of the quotient.
         let steps = (self.numerics.exchange_interval / wanted - 1e-9).ceil().max(1.0) as usize;
         let (start, not_at_rest) = match setup.at_rest() {
             Ok(body) => (body, None),
@@ -79,7 +79,7 @@ impl Prepared {
         self.setup.simulation.numerics.exchange_interval / self.steps_per_exchange as f64
     }
 
-    /// What will move the masses.
+    /// The engine of the run.
     pub fn engine(&self) -> &EngineUsed {
         &self.engine
     }
@@ -101,13 +101,13 @@ impl Prepared {
         Ok(simulation.numerics.engine.stepper(&task)?)
     }
 
-    /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
-    /// sample and stops the run by returning `false`.
+    /// Runs to the end or to the first fault; `observe` is called at each recorded sample and stops
+    /// the run by returning `false`.
     pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
         self.run_observed(&mut Samples(observe))
     }
 
-    /// As [`Prepared::run`], for an observer that also hears which part of the work begins.
+    /// As [`Prepared::run`], for an observer that is also called when a part of the work begins.
     pub fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
         let (steps, recording, stop) = match self.stepper() {
             Ok((stepper, _)) => {
@@ -115,7 +115,7 @@ impl Prepared {
                 let (recording, stop) = self.setup.run(&mut shaping, observer);
                 (shaping.stepper.steps(), recording, stop)
             }
-            // It was made once already; but who makes it may change their mind.
+            // It was created once already, but a custom function may still fail.
             Err(error) => {
                 let stop = StopReason::BrokenOff { time: 0.0, cause: error.to_string() };
                 (0, Recording::default(), Some(stop))
@@ -136,26 +136,27 @@ impl Prepared {
 struct InTime<'a> {
     setup: &'a Setup,
     stepper: Box<dyn Stepper + 'a>,
-    /// In each exchange interval.
+    /// Steps in each exchange interval.
     steps: usize,
     ledger: Ledger,
     marked: Option<Ledger>,
 }
 
 impl<'a> InTime<'a> {
-    /// A motion of so many steps in each exchange interval.
+    /// A motion with a number of steps in each exchange interval.
     fn new(setup: &'a Setup, stepper: Box<dyn Stepper + 'a>, steps: usize) -> Self {
         let ledger = Ledger::new(stepper.body(), Held::of(setup.activation.tension()));
         Self { setup, stepper, steps, ledger, marked: None }
     }
 
-    /// Moves on by an exchange interval, in parts where that takes long, so that it may be interrupted.
+    /// Advances by an exchange interval, in parts if it takes long, so that it can be interrupted.
     fn advance(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
         let Simulation { mesh, interruption, .. } = &self.setup.simulation;
         let at_once = (STEPS_OF_MASSES / mesh.len().max(1)).max(1);
         let [from, to] = match tensions {
             [Tension::Uniform(from), Tension::Uniform(to)] if self.steps > at_once => [from, to],
-            // One that differs from place to place follows the mesh, and is not cut in parts.
+            // A tension that differs from place to place follows the mesh, so the interval is not
+            // divided.
             _ => return self.step(self.steps, time, tensions),
         };
         let all = self.steps;
@@ -179,7 +180,7 @@ impl<'a> InTime<'a> {
         moved.map_err(|cause| StopReason::BrokenOff { time, cause: cause.to_string() })
     }
 
-    /// A tension as it now is in each triangle.
+    /// The present tension of each triangle.
     fn now(&self, tension: Tension<'_>) -> Held {
         let (Tension::Following(law), Some(meter)) = (tension, &self.setup.fibre_stretch) else {
             return Held::of(tension);

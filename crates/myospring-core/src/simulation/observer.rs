@@ -1,6 +1,6 @@
-//! Whoever watches a run.
+//! Observers of a run.
 
-/// How far a run has come.
+/// Progress of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Time simulated so far, ms.
@@ -9,10 +9,10 @@ pub struct Progress {
     pub duration: f64,
 }
 
-/// What a run is at.
+/// A part of the work of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RunPart {
-    /// The cell model moves on.
+    /// The cell model advances.
     Cell,
     /// The mesh follows its tension.
     Mechanics,
@@ -20,12 +20,13 @@ pub enum RunPart {
     Recording,
 }
 
-/// Watches a run: the library has no clock, but whoever has one can measure each part by this.
+/// Observes a run. The library has no clock; an observer with one can measure the time of each
+/// part.
 pub trait RunObserver {
     /// A sample was recorded; `false` stops the run.
     fn sample(&mut self, progress: Progress) -> bool;
 
-    /// The run leaves what it was at and begins something else.
+    /// Called when the run ends one part and begins another.
     fn begins(&mut self, _part: RunPart) {}
 }
 

@@ -1,4 +1,4 @@
-//! What came of a run, and what it took.
+//! The outcome of a run, and the work it took.
 
 use super::StopReason;
 use crate::analysis::beat::Beats;
@@ -6,16 +6,16 @@ use crate::integrate::engine::EngineUsed;
 use crate::recording::Recording;
 use serde::{Deserialize, Serialize};
 
-/// What came of a run.
+/// The outcome of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// All that was recorded, up to the stop.
     pub recording: Recording,
     /// Why it stopped early, if it did.
     pub stop: Option<StopReason>,
-    /// What it took.
+    /// The work it took.
     pub effort: Effort,
-    /// What moved the masses, if they were moved in time.
+    /// The engine, if the run was in time.
     pub engine: Option<EngineUsed>,
     /// Times of the stimuli that fall within the run, ms.
     pub stimulus_times_ms: Vec<f64>,
@@ -24,14 +24,14 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// What the beats amount to: tension, contraction, width and area, action potential of each, where the
-    /// energy went, and the bands of what is known.
+    /// The metrics of the beats: tension, contraction, width, area and action potential of each,
+    /// the energy balance, and bands of measured cells.
     pub fn beats(&self) -> Beats {
         Beats::of(&self.recording, &self.stimulus_times_ms, self.s2_ms)
     }
 }
 
-/// What a run took, for the record.
+/// The work that a run took.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "integrator", rename_all = "kebab-case")]
 pub enum Effort {
@@ -44,7 +44,7 @@ pub enum Effort {
         /// Mechanical steps made.
         steps: u64,
     },
-    /// In time, by a stepper from outside.
+    /// In time, by a custom stepper.
     OwnStepper {
         /// Mechanical time step, ms.
         time_step_ms: f64,
@@ -59,11 +59,12 @@ pub enum Effort {
         load_steps: usize,
         /// Iterations of Newton's method.
         newton_iterations: usize,
-        /// Matrices factorised: one for each iteration, those of steps that found no rest included.
+        /// Matrices factorised: one for each iteration, including those of steps that did not
+        /// converge.
         factorisations: usize,
         /// Largest estimated error of a position, um.
         interpolation_error_um: f64,
-        /// Time by which a motion with the same dampings lags behind, ms.
+        /// Time by which a run in time with the same damping lags, ms.
         delay_ms: f64,
     },
     /// From equilibrium to equilibrium.

@@ -1,40 +1,40 @@
-//! How fast a free cell shortens, against cells that were measured.
+//! How fast a free cell shortens, compared with measured cells.
 
 use super::{Outcome, Ready, Simulation};
 use crate::analysis::beat::{self, Band, BandPosition, Beats};
 use crate::cell::{CellModel, KnownDeparture};
 use crate::mechanics::support::SupportKind;
 
-/// The metric that says how fast a contraction is, whatever its size.
+/// The metric of speed that does not depend on the size of the contraction.
 const METRIC: &str = "shortening_rate_over_peak";
 
-/// Peak shortening, per cent, below which a rate over it says nothing.
+/// Peak shortening, per cent, below which the rate over it is not used.
 const LITTLE_PCT: f64 = 1.0;
 
-/// By how much a run's rate may exceed that of its model's published beat, which other stimuli, shapes and materials
-/// change a little; of it.
+/// By which part a run's rate may exceed that of its model's published beat; stimuli, shapes and
+/// materials change it a little.
 const MARGIN: f64 = 0.1;
 
-/// How fast a cell shortens over its peak, against measured cells.
+/// The speed of a contraction, compared with measured cells.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Pace {
-    /// As they do; or nothing is known: the cell is held, or hardly shortens.
+    /// As in measured cells, or not comparable: the cell is held, or hardly shortens.
     AsMeasured,
-    /// Otherwise, and that is known of its model.
+    /// Different, as is known for its model.
     AsItsModel(KnownDeparture),
-    /// Otherwise, and its model does not explain it.
+    /// Different, and not explained by its model.
     Unexplained {
         /// Of the beat that is furthest from the band, 1/s.
         over_peak: f64,
         /// Its largest shortening rate, lengths/s.
         rate: f64,
-        /// Of measured cells, 1/s.
+        /// The band of measured cells, 1/s.
         band: Band,
     },
 }
 
 impl Pace {
-    /// Of the beats of a cell.
+    /// The pace of the beats of a cell.
     pub fn of(cell: &dyn CellModel, support: SupportKind, beats: &Beats) -> Self {
         let Some(band) = beat::band(METRIC).filter(|_| support == SupportKind::MassCentre) else {
             return Self::AsMeasured;
@@ -66,8 +66,8 @@ impl Pace {
 }
 
 impl Simulation {
-    /// How fast the cell shortened in these beats, against measured cells; [`Pace::AsMeasured`] where its tension is
-    /// not that of its cell model.
+    /// How fast the cell shortened in these beats, compared with measured cells;
+    /// [`Pace::AsMeasured`] if its tension is not that of its cell model.
     ///
     /// # Example
     /// ```
@@ -89,7 +89,8 @@ impl Simulation {
 }
 
 impl Ready {
-    /// A free cell that shortens at a rate which neither measured cells nor its model's published parameters have.
+    /// The warning for a free cell whose rate neither measured cells nor its model's published
+    /// parameters have.
     pub(super) fn out_of_pace(&self, outcome: &Outcome) -> Option<String> {
         let pace = self.setup().simulation.pace(&outcome.beats());
         let Pace::Unexplained { over_peak, rate, band } = pace else { return None };

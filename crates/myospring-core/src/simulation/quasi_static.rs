@@ -1,11 +1,10 @@
 //! A run along the path of equilibria.
 //!
-//! The cell model runs in time and feels the stretch as in any run; the mesh takes at once the shape that belongs to the
-//! tension ([`Equilibria`]). A frame is the path's own shape.
+//! The cell model runs in time and depends on the stretch as in any run; the mesh takes at once the
+//! equilibrium shape under the tension ([`Equilibria`]). Frames are shapes of the path.
 //!
-//! Nothing moves, so momenta and kinetic energy are 0, and nothing is dissipated: these are the limits of
-//! a slow contraction, not unknowns. The work of the active force is the elastic energy, added up on its
-//! own as in a run in time.
+//! Momenta, kinetic energy and dissipation are 0, their limits for a slow contraction. The work of
+//! the active force equals the elastic energy; it is computed independently, as in a run in time.
 
 use super::coupler::Shaping;
 use super::course::{Observable, Observed};
@@ -21,29 +20,29 @@ use crate::integrate::quasi_static::{PathError, Shapes, Tolerance};
 use crate::mechanics::{Tension, Vectors};
 use crate::recording::Recording;
 
-/// A quasi-static run made ready: its path is solved up to the peak of tension.
+/// A prepared quasi-static run: its path is solved up to the peak of tension.
 pub struct PreparedPath {
     pub(super) setup: Setup,
     pub(super) equilibria: Equilibria,
 }
 
 impl Simulation {
-    /// Solves the path of equilibria up to the peak of a tension that is the same everywhere; time step and
-    /// method of the numerical settings do not matter.
+    /// Solves the path of equilibria up to the peak of a tension that is the same everywhere; time
+    /// step and method of the numerical settings are not used.
     ///
     /// # Errors
-    /// A setting that no run can have, forces for which there is no such path, or a cell model without tension.
-    /// A path that ends before the peak is no error but [`PreparedPath::end`].
+    /// An invalid setting, forces without such a path, or a cell model without tension. A path that
+    /// ends before the peak is not an error; see [`PreparedPath::end`].
     pub fn prepare_quasi_static(&self, tolerance: Tolerance) -> Result<PreparedPath, SetupError> {
         self.shared_path(tolerance)?.prepare(self)
     }
 
-    /// Runs along the path of equilibria, to the end or to the first thing that goes wrong. `observe` is
-    /// called at each recorded sample and stops the run by returning `false`.
+    /// Runs along the path of equilibria, to the end or to the first fault. `observe` is called at
+    /// each recorded sample and stops the run by returning `false`.
     ///
     /// # Errors
-    /// Those of [`Simulation::prepare_quasi_static`]. A path that ends before the largest tension of
-    /// the run is no error but a [`StopReason`].
+    /// Those of [`Simulation::prepare_quasi_static`]. A path that ends before the largest tension
+    /// of the run is not an error but a [`StopReason`].
     ///
     /// # Example
     /// ```
@@ -68,7 +67,7 @@ impl Simulation {
 }
 
 impl Setup {
-    /// Refuses what has no path that could be solved in advance.
+    /// Refuses simulations whose path cannot be solved in advance.
     pub(super) fn check_path(&self) -> Result<(), SettingError> {
         match self.sites() {
             Sites::Whole => Ok(()),
@@ -92,13 +91,14 @@ impl PreparedPath {
         self.equilibria.end(self.setup.peak())
     }
 
-    /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
-    /// sample and stops the run by returning `false`.
+    /// Runs to the end or to the first fault; `observe` is called at each recorded sample and stops
+    /// the run by returning `false`.
     pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
         self.run_observed(&mut Samples(observe))
     }
 
-    /// As [`PreparedPath::run`], for an observer that also hears which part of the work begins.
+    /// As [`PreparedPath::run`], for an observer that is also called when a part of the work
+    /// begins.
     pub fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
         let setup = &self.setup;
         let start = setup.activation.tension().at(0);
@@ -127,7 +127,7 @@ impl PreparedPath {
     }
 }
 
-/// A mesh that takes the shapes of a path, each at its tension, or lagging behind it.
+/// A mesh that takes the shapes of a path, at the present tension or lagging behind it.
 struct AlongPath<'a> {
     setup: &'a Setup,
     equilibria: Equilibria,
@@ -137,17 +137,18 @@ struct AlongPath<'a> {
     start: Quantities,
 }
 
-/// Where on the path a mesh is.
+/// The position of a mesh on the path.
 #[derive(Debug, Clone, Copy)]
 struct Lagging {
-    /// The tension at which its shape is an equilibrium, kPa: the one that acts, unless the cell is viscous.
+    /// The tension at which its shape is an equilibrium, kPa: the active tension, unless the cell
+    /// is viscous.
     tension: f64,
-    /// Work of the tension that acts, since the start of the run, fJ; kept of a viscous cell only.
+    /// Work of the active tension since the start of the run, fJ; only for a viscous cell.
     work: f64,
 }
 
 impl AlongPath<'_> {
-    /// Whether the work of the tension depends on more than the shape that it has come to along one path.
+    /// Whether the work of the tension depends on more than the present shape.
     fn keeps_account(&self) -> bool {
         self.is_viscous() || self.equilibria.loaded.is_some()
     }
@@ -221,7 +222,7 @@ impl Observable for AlongPath<'_> {
         }
     }
 
-    /// The path reaches every tension that was followed.
+    /// The path reaches every tension of the run.
     fn positions(&self) -> Vectors {
         let tension = self.state.tension;
         let positions = self.equilibria.positions(tension);

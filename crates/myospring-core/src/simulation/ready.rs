@@ -1,4 +1,4 @@
-//! A run made ready by the method that its settings name.
+//! A run prepared by the method of its settings.
 
 use super::observer::{RunObserver, Samples};
 use super::outcome::Outcome;
@@ -8,10 +8,10 @@ use crate::integrate::Method;
 use crate::integrate::engine::EngineUsed;
 use crate::integrate::quasi_static::Tolerance;
 
-/// Strengths relative to the published parameters' that need no remark.
+/// Strengths relative to the published parameters' without a warning.
 const ORDINARY: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
-/// A run made ready: everything checked, every part its own.
+/// A prepared run: everything is checked, and it owns its data.
 pub enum Ready {
     /// In time: forces assembled, time step chosen.
     InTime(Prepared),
@@ -22,8 +22,8 @@ pub enum Ready {
 }
 
 impl Simulation {
-    /// Checks everything and makes the run ready by the method of its numerical settings: chooses the time
-    /// step, or solves the path of equilibria.
+    /// Checks everything and prepares the run by the method of its numerical settings: chooses the
+    /// time step, or solves the path of equilibria.
     ///
     /// # Errors
     /// Those of [`Simulation::prepare`], [`Simulation::prepare_quasi_static`] or
@@ -66,7 +66,7 @@ impl Ready {
         }
     }
 
-    /// What a person should know before a long run.
+    /// Warnings before a run.
     pub fn warnings(&self) -> Vec<String> {
         let setup = self.setup();
         let mut warnings = Vec::new();
@@ -98,13 +98,13 @@ impl Ready {
         warnings
     }
 
-    /// Runs to the end or to the first thing that goes wrong; `observe` is called at each recorded
-    /// sample and stops the run by returning `false`.
+    /// Runs to the end or to the first fault; `observe` is called at each recorded sample and stops
+    /// the run by returning `false`.
     pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
         self.run_observed(&mut Samples(observe))
     }
 
-    /// As [`Ready::run`], for an observer that also hears which part of the work begins.
+    /// As [`Ready::run`], for an observer that is also called when a part of the work begins.
     pub fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
         match self {
             Self::InTime(prepared) => prepared.run_observed(observer),

@@ -1,4 +1,4 @@
-//! What every run starts from: forces assembled, an activation in its first state, a meter.
+//! The common start of every run: assembled forces, an activation in its first state, a meter.
 
 use super::check::check_strongest;
 use super::{SetupError, Simulation, TensionScale};
@@ -18,16 +18,16 @@ use crate::mesh::simplex::measure_at;
 use crate::mesh::{Simplex, SpringKind};
 use std::sync::Arc;
 
-/// What every run starts from.
+/// The common start of every run.
 pub(super) struct Setup {
     pub(super) simulation: Simulation,
     pub(super) activation: Box<dyn Activation>,
     pub(super) assembly: Arc<Assembly>,
-    /// The most that is to be expected of the activation.
+    /// Bounds of the activation.
     pub(super) strongest: ActivationBounds,
     /// Tension of a default beat relative to that of the parameters that are scaled to the peak tension.
     pub(super) strength: f64,
-    /// What sites in the triangles feel.
+    /// The stretch of sites in the triangles.
     pub(super) fibre_stretch: Option<FibreStretch>,
     /// Resting volume of each triangle times its content of myofibrils, up to the thickness, um^2.
     pub(super) volumes: Vec<f64>,
@@ -43,7 +43,7 @@ struct Strength {
     relative: f64,
 }
 
-/// The mesh with its forces, and what measures it.
+/// The mesh with its forces and meter.
 pub(super) struct Assembly {
     pub(super) body: Body,
     pub(super) system: System,
@@ -51,20 +51,20 @@ pub(super) struct Assembly {
     pub(super) resting_length: f64,
     /// Length before the first beat, um: the resting one unless the ends are held stretched.
     pub(super) held_length: f64,
-    /// How much of the length is within clamps, which neither stretches nor shortens, um.
+    /// The length within clamps, which neither stretches nor shortens, um.
     gripped_length: f64,
-    /// What holds both ends, where something does.
+    /// The force at the ends, if both are held.
     pub(super) ends: Option<EndForce>,
 }
 
 impl Assembly {
-    /// Mean stretch of what is not within clamps, of a cell of this length (um).
+    /// Mean stretch of the cell between the clamps, at this length (um).
     pub(super) fn stretch(&self, length: f64) -> f64 {
         (length - self.gripped_length) / (self.resting_length - self.gripped_length)
     }
 }
 
-/// How hard a cell pulls at its upper end.
+/// The force of a cell at its upper end.
 #[derive(Debug, Clone)]
 pub(super) struct EndForce {
     nodes: Vec<usize>,
@@ -91,7 +91,7 @@ impl Simulation {
         self.set_up_on(Arc::new(self.assembled_at_rest()?))
     }
 
-    /// As [`Simulation::set_up`], checked before, on forces that are assembled already.
+    /// As [`Simulation::set_up`], after its checks, on forces that are already assembled.
     pub(super) fn set_up_on(&self, assembly: Arc<Assembly>) -> Result<Setup, SetupError> {
         self.interruption.check()?;
         let (activation, strength) = self.activation()?;
@@ -109,7 +109,7 @@ impl Simulation {
         })
     }
 
-    /// What makes the tension, and how strong it is relative to what is scaled to the peak tension.
+    /// The activation, and its strength relative to that which is scaled to the peak tension.
     fn activation(&self) -> Result<(Box<dyn Activation>, f64), SetupError> {
         if let Some(activation) = &self.activation {
             return Ok((activation.boxed(), 1.0));
@@ -139,7 +139,7 @@ impl Simulation {
         Ok((Box::new(cell), relative))
     }
 
-    /// The protocol of each triangle: where the stimulus travels it begins when it is there.
+    /// The protocol of each triangle: if the stimulus travels, it starts when it arrives.
     fn protocols(&self) -> Vec<Protocol> {
         let Some(speed) = self.wave_speed else {
             return vec![self.protocol; self.mesh.simplices.len()];
@@ -172,12 +172,12 @@ impl Simulation {
         self.mesh.simplices.iter().enumerate().map(volume).collect()
     }
 
-    /// How strong the cell model is. One with its published parameters needs no beat for it; tension in kPa is
-    /// not scaled.
+    /// How strong the cell model is. With published parameters this needs no beat; tension in kPa
+    /// is not scaled.
     fn strength(&self) -> Result<Strength, SolveError> {
         let own = || match solve::reference_beat(&*self.cell, self.numerics.cell) {
             Ok(beat) => Ok(beat.peak_tension),
-            // Too weak to peak, or too slow to peak in time: not for us to refuse.
+            // A tension too weak or too slow to peak is not an error here.
             Err(SolveError::NoPeak { value, .. }) => Ok(value.max(0.0)),
             Err(error) => Err(error),
         };
@@ -202,7 +202,7 @@ impl Simulation {
         })
     }
 
-    /// As [`Simulation::assembled`], at rest where the ends are held.
+    /// As [`Simulation::assembled`], in equilibrium with the held ends.
     pub(super) fn assembled_at_rest(&self) -> Result<Assembly, SetupError> {
         let mut assembly = self.assembled();
         if self.end_stretch == 1.0 {
@@ -218,7 +218,8 @@ impl Simulation {
         Ok(assembly)
     }
 
-    /// Resting positions whose ends are moved apart without changing them, and what lies between drawn out evenly, um.
+    /// Resting positions with the rigid ends moved apart and the cell between them stretched
+    /// uniformly, um.
     pub(super) fn drawn_out(&self, stretch: f64) -> Vectors {
         let axis = self.long_axis;
         let points = &self.mesh.points;
@@ -261,7 +262,7 @@ impl Simulation {
         })
     }
 
-    /// The body at rest and all that acts on it, for whoever works with the forces themselves.
+    /// The body at rest and all forces on it, for direct use.
     pub fn mechanics(&self) -> (Body, System) {
         let Assembly { body, system, .. } = self.assembled();
         (body, system)
@@ -278,8 +279,8 @@ impl Simulation {
             self.long_axis,
             resting_length,
         );
-        // A free cell turns as its mass does; a clamped one cannot turn, whatever it does inside. One that is
-        // clamped at one end swings aside, though, and takes its width along.
+        // A free cell rotates with its mass; a cell with both ends clamped cannot rotate. A cell
+        // clamped at one end swings aside as a whole.
         let areas = self.mesh.areas.clone();
         let meter = ShapeMeter::new(self.mesh.points.clone(), self.long_axis, areas.clone());
         let depths = end_zones(&self.mesh, self.long_axis).map(|[from, to]| to - from);
@@ -319,7 +320,7 @@ impl Setup {
         self.activation.sites()
     }
 
-    /// Does something with the strongest tension to be expected, as the forces take it.
+    /// Calls a function with the strongest expected tension, in the form that the forces need.
     pub(super) fn under_strongest<T>(&self, what: impl FnOnce(Tension<'_>) -> T) -> T {
         let ActivationBounds { tension, per_stretch, per_rate } = self.strongest;
         match self.sites() {

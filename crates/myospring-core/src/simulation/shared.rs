@@ -1,4 +1,4 @@
-//! Mechanics that many runs share: the path of equilibria depends on the mesh and its forces alone.
+//! Mechanics that many runs share: the path of equilibria depends only on the mesh and its forces.
 
 use super::equilibria::Equilibria;
 use super::quasi_static::PreparedPath;
@@ -6,18 +6,18 @@ use super::{SettingError, SetupError, Simulation};
 use crate::integrate::quasi_static::Tolerance;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// One mesh with its forces, and its path of equilibria as far as any of its runs has needed it.
+/// One mesh with its forces, and its path of equilibria as far as its runs have needed it.
 ///
-/// Runs on several threads may share it. The path to a tension is the start of any longer one, so a run has the same
-/// bits as it has alone.
+/// Runs on several threads may share it. The path to a tension is the start of any longer one, so a
+/// run has the same bits as without sharing.
 pub struct SharedPath {
     simulation: Simulation,
     solved: Mutex<Equilibria>,
 }
 
 impl Simulation {
-    /// Makes the mechanics of this simulation ready to be shared by runs that differ in all else: cell model, peak
-    /// tension, protocol, duration, intervals.
+    /// Prepares the mechanics of this simulation for runs that differ in cell model, peak tension,
+    /// protocol, duration or intervals.
     ///
     /// # Errors
     /// Those of [`Simulation::prepare_quasi_static`].
@@ -44,10 +44,10 @@ impl Simulation {
 }
 
 impl SharedPath {
-    /// Makes a run ready whose mechanics are the shared ones; the path is solved further where it needs more.
+    /// Prepares a run with the shared mechanics; the path is extended if needed.
     ///
     /// # Errors
-    /// As [`Simulation::prepare_quasi_static`]; mechanics that are not the shared ones.
+    /// As [`Simulation::prepare_quasi_static`]; other mechanics than the shared ones.
     pub fn prepare(&self, simulation: &Simulation) -> Result<PreparedPath, SetupError> {
         simulation.check()?;
         if !self.has_mechanics_of(simulation) {

@@ -9,19 +9,19 @@ use serde::{Deserialize, Serialize};
 /// Why a run cannot start.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SetupError {
-    /// A setting that no run can have.
+    /// An invalid setting.
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// The engine cannot move this mesh.
     #[error(transparent)]
     Engine(#[from] EngineError),
-    /// The time step would blow the mesh up.
+    /// The time step is unstable.
     #[error(
         "time step {time_step} ms exceeds the stability limit {limit:.4} ms of this mesh (stiffest node \
          {node} at x = {x:.1} um, y = {y:.1} um); use a smaller step, or none for the default"
     )]
     UnstableStep {
-        /// What was asked for, ms.
+        /// The requested time step, ms.
         time_step: f64,
         /// The limit, ms.
         limit: f64,
@@ -38,7 +38,7 @@ pub enum SetupError {
     /// The preparation was asked to end early.
     #[error("the preparation of the run was interrupted")]
     Interrupted,
-    /// The cell model cannot start, or makes no tension to scale.
+    /// The cell model cannot start, or has no tension to scale.
     #[error("the cell model `{model}` cannot be run: {cause}")]
     CellModel {
         /// The model.
@@ -128,7 +128,7 @@ pub enum StopReason {
         /// Where and why the path ends.
         cause: String,
     },
-    /// Tension and stretch, which depend on each other, were not found together.
+    /// The coupled solution of tension and stretch did not converge.
     #[error(
         "at t = {time} ms no tension near {tension:.4} kPa agrees with the stretch that it causes (it misses by \
          {miss:.1e}); take a shorter exchange interval, or a tension that depends less steeply on stretch \
@@ -137,9 +137,9 @@ pub enum StopReason {
     NoExchange {
         /// Time, ms.
         time: f64,
-        /// The last tension that was tried, kPa.
+        /// The last trial tension, kPa.
         tension: f64,
-        /// By how much the answer to it differs: kPa, or change of a stretch.
+        /// The residual at it: kPa, or change of a stretch.
         miss: f64,
     },
     /// The cell model failed.
@@ -165,7 +165,7 @@ pub enum StopReason {
 }
 
 impl StopReason {
-    /// The time of the stop, ms, where the run's clock knows it: a cell model that failed says so in words.
+    /// The time of the stop, ms; `None` for a cell model that failed, whose message has the time.
     pub fn time_ms(&self) -> Option<f64> {
         match *self {
             Self::NotFinite { time, .. }

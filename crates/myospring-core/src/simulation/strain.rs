@@ -1,4 +1,5 @@
-//! What a run came to that its cell would not do: strained beyond what the law was made for, or longer.
+//! Warnings about results that a real cell would not show: strain beyond the range of the
+//! material's law, or lengthening.
 
 use super::capture::rhythm;
 use super::{Outcome, Ready, Simulation};
@@ -6,26 +7,28 @@ use crate::mechanics::active::FibreStretch;
 use crate::mesh::simplex::measure_at;
 use crate::recording::{Frame, Sample};
 
-/// Largest strain along the fibre, either way, for which the material's law was made.
+/// Largest strain along the fibre, of either sign, for which the material's law is valid.
 ///
-/// Springs and area law are linear and were fitted at 12 % shortening. Unloaded cells shorten by 7 to 12 %, and a
-/// sarcomere of 1.85 um at rest that is shortened by a fifth has 1.48 um, less than its thick filaments of 1.6 um
-/// (`gordon_1966`), which a cell resists and a spring does not; stretched by a fifth it has 2.2 um, the end of what a
-/// resting cell is found at, where it stiffens.
+/// Springs and area law are linear and were fitted at 12 % shortening. Unloaded cells shorten by 7
+/// to 12 %, and a sarcomere of 1.85 um at rest that is shortened by a fifth has 1.48 um, less than
+/// its thick filaments of 1.6 um (`gordon_1966`), which a cell resists and a spring does not.
+/// Stretched by a fifth it has 2.2 um, the longest found in resting cells, where it stiffens.
 pub const MOST_STRAIN: f64 = 0.2;
 
-/// Share of the cell beyond [`MOST_STRAIN`] that needs no remark: corners, and rims of what holds the cell.
+/// Share of the cell beyond [`MOST_STRAIN`] without a warning: corners, and edges of the support.
 const FEW: f64 = 0.05;
 
-/// Lengthening that needs no remark, per cent: what is left of a swing, or of an isometric contraction.
+/// Lengthening without a warning, per cent: the rest of a swing, or of an isometric contraction.
 const LITTLE_LONGER_PCT: f64 = 0.1;
 
 impl Ready {
-    /// What a person should know of what came of this run: that it went beyond what the material's law was made for,
-    /// that the cell became longer instead of shorter, that it shortened at a rate that neither measured cells nor its
-    /// model's published beat have ([`Simulation::pace`]), that stimuli raised no action potential, or that beats alternate.
+    /// Warnings about the outcome of this run: strain beyond the range of the material's law, a
+    /// cell that became longer instead of shorter, a rate that neither measured cells nor its
+    /// model's published beat have ([`Simulation::pace`]), stimuli that raised no action potential,
+    /// or alternating beats.
     ///
-    /// Of the strain it looks at the shape at the highest tension and the one at the largest change of length.
+    /// Strain is checked in the shape at the highest tension and in that at the largest change of
+    /// length.
     ///
     /// # Example
     /// ```

@@ -1,14 +1,14 @@
-//! A train of beats, and how often cell and mesh meet in it.
+//! A train of beats, and its exchange interval.
 
-/// Most between samples, ms: a longer interval moves a curve by 1e-4 of its height.
+/// Longest interval between samples, ms; a longer one changes a curve by 1e-4 of its height.
 const INTERVAL_MS: f64 = 2.0;
 
 /// Beats at equal intervals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Train {
-    /// Beats before those that are wanted.
+    /// Beats before the requested ones.
     pub before: usize,
-    /// Those that are.
+    /// Requested beats.
     pub beats: usize,
     /// From stimulus to stimulus, ms.
     pub cycle_ms: f64,
@@ -20,7 +20,7 @@ impl Train {
         ((self.cycle_ms / INTERVAL_MS).ceil() as usize).max(3)
     }
 
-    /// Between samples, ms: a cycle is a whole number of them.
+    /// Interval between samples, ms, a whole part of the cycle.
     pub fn interval_ms(&self) -> f64 {
         self.cycle_ms / self.intervals() as f64
     }

@@ -1,4 +1,4 @@
-//! What every [`CellModel`] must hold to.
+//! The conformance suite of cell models.
 
 use crate::analysis::beat::{self, BandPosition};
 use crate::cell::integrator::CellIntegrator;
@@ -48,7 +48,7 @@ pub fn check_cell_model_with(model: &Arc<dyn CellModel>, settings: SolverSetting
     check_pieces(model, settings);
 }
 
-/// The name is fit for a run file; title and papers are there.
+/// The name is valid in a run file; title and papers are present.
 fn check_description(model: &dyn CellModel) {
     let name = model.name();
     let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
@@ -111,7 +111,8 @@ fn check_parameters(model: &dyn CellModel) {
     );
 }
 
-/// Names differ, of states and outputs together; the initial state is finite, and all of it has a meaning.
+/// Names differ, of states and outputs together; the initial state is finite, and every state has a
+/// meaning.
 fn check_states(model: &dyn CellModel) {
     let name = model.name();
     assert!(!model.states().is_empty(), "{name}: no state variables");
@@ -134,7 +135,7 @@ fn check_states(model: &dyn CellModel) {
     }
 }
 
-/// The stimulus moves states that there are, the potential among them, and a protocol can be made of it.
+/// The stimulus acts on existing states, the potential among them, and gives a valid protocol.
 fn check_stimulation(model: &dyn CellModel) {
     let name = model.name();
     let stimulation = model.stimulation();
@@ -150,7 +151,7 @@ fn check_stimulation(model: &dyn CellModel) {
         let before = &stimulation.moves[..i];
         assert!(before.iter().all(|other| other.state != place), "{name}: it moves {place} twice");
     }
-    // A jump of the first that is moved is a jump of the potential.
+    // A jump of the first of these states is a jump of the potential.
     let mut state = model.initial_state();
     let (first, before) = match (stimulation.moves.first(), model.potential(&state)) {
         (Some(first), Some(before)) => (first, before),
@@ -164,7 +165,7 @@ fn check_stimulation(model: &dyn CellModel) {
     assert!((by - 0.25).abs() < 1e-12 * (1.0 + before.abs()), "{name}: 0.25 moves it by {by}");
 }
 
-/// Rates at `state`, written over rubbish.
+/// Rates at `state`, written over invalid values.
 fn rates(model: &dyn CellModel, state: &[f64], stimulus: f64) -> Vec<f64> {
     let mut rates = vec![f64::NAN; state.len()];
     model.derivatives(state, &Input { stimulus, ..Input::REST }, &mut rates);
@@ -194,7 +195,7 @@ fn check_derivatives(model: &dyn CellModel, state: &[f64]) {
         let moved = stimulation.moves.iter().find(|moved| moved.state == i);
         let by = moved.map_or(0.0, |moved| moved.weight * stimulus);
         let expected = resting[i] + by;
-        // The stimulus may stand in the middle of a sum of currents.
+        // The stimulus may be in the middle of a sum of currents.
         let bound = 16.0 * f64::EPSILON * (resting[i].abs() + by.abs());
         assert!(
             (stimulated[i] - expected).abs() <= bound,
@@ -270,7 +271,7 @@ fn check_jacobian(model: &dyn CellModel, state: &[f64]) {
     }
 }
 
-/// What stands beside the state is written and finite.
+/// Outputs are written and finite.
 fn check_outputs(model: &dyn CellModel, state: &[f64]) {
     let mut values = vec![f64::NAN; model.outputs().len()];
     model.write_outputs(state, &Input::REST, &mut values);
@@ -296,7 +297,7 @@ fn check_beat(model: &(dyn CellModel + 'static), settings: SolverSettings) {
             published_peak.is_finite() && published_peak > 0.0,
             "{name}: the peak of tension of its published parameters is {published_peak}"
         );
-        // What finer steps may change, see below.
+        // Tolerance for finer steps, see below.
         let off = (beat.peak_tension / published_peak - 1.0).abs();
         assert!(
             !is_as_published(model) || off < 5e-3,
@@ -316,8 +317,8 @@ fn check_beat(model: &(dyn CellModel + 'static), settings: SolverSettings) {
     let finer = SolverSettings { method, step_ms: step_ms / 2.0, tolerance: tolerance / 10.0 };
     let fine = solve(model, protocol, finer, 600.0, 0.1).ok().and_then(|t| t.peak_tension());
     let Some(fine) = fine else { panic!("{name}: the default beat fails at half the step") };
-    // Thresholds leave the method of order 1; a tension that hangs on the height of the upstroke moves
-    // by 0.3 % (measured), a wrong step or a stiff model by far more.
+    // Thresholds reduce the method to order 1. A tension that depends on the height of the upstroke
+    // changes by 0.3 % (measured), a wrong step or a stiff model changes it far more.
     let change = (fine.value / beat.peak_tension - 1.0).abs();
     assert!(change < 5e-3, "{name}: finer steps change the peak of tension by {change:e}");
 }

@@ -9,9 +9,10 @@ use std::array::from_fn;
 /// - it adds to the forces it is given;
 /// - where it has an energy, the force at zero velocity is minus its gradient;
 /// - where it has a stiffness, that is minus the derivative of the force at zero velocity;
-/// - its velocity-dependent part takes exactly the energy that `dissipation` says, never gives any;
-/// - if it is internal: no resultant force, no torque (Newton's third law), and turning and shifting
-///   the whole body turns the forces with it and leaves the energy alone.
+/// - its velocity-dependent part removes exactly the energy that `dissipation` states, and never
+///   adds any;
+/// - if it is internal: no resultant force, no torque (Newton's third law), and rotating and shifting
+///   the whole body rotates the forces with it and does not change the energy.
 ///
 /// # Panics
 /// With a sentence, if the force breaks one of its promises.
@@ -72,7 +73,8 @@ fn is_minus_the_gradient_of_its_energy<const D: usize>(
     let forces = evaluate(force, &at);
     let mut moved = at.positions.clone();
     let step = 1e-5;
-    // Rounding in the energy and third derivatives bound what a central difference can show.
+    // The accuracy of a central difference is limited by rounding in the energy and by third
+    // derivatives.
     let tolerance = 1e-6 * largest(&forces) + 64.0 * f64::EPSILON * energy.abs() / step;
     for axis in 0..D {
         for node in 0..count {
@@ -126,7 +128,8 @@ fn has_the_stiffness_that_it_says<const D: usize>(force: &dyn Force<D>, at: &Con
         let (plus, minus) = (at_distance(step), at_distance(-step));
         let product = stiffness.times(&direction);
         scale = scale.max(largest(&product));
-        // Rounding in the forces and their third derivatives bound what a difference can show.
+        // The accuracy of a difference is limited by rounding in the forces and by their third
+        // derivatives.
         let tolerance = 1e-6 * scale;
         for axis in 0..D {
             for node in 0..count {

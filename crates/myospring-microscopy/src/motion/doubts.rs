@@ -13,7 +13,7 @@ const LONGER: f64 = 0.5;
 impl CellMotion {
     /// Indices of the frames in which at least half of the points were found, or of all frames if there is none. Only
     /// these count for the largest contraction: a black or blurred frame shows no motion of the cell.
-    pub fn seen_frames(&self) -> Vec<usize> {
+    pub fn frames_with_cell(&self) -> Vec<usize> {
         let seen: Vec<usize> =
             (0..self.len()).filter(|&at| self.interpolated_share(at) <= UNSEEN).collect();
         if seen.is_empty() { (0..self.len()).collect() } else { seen }
@@ -43,7 +43,7 @@ impl CellMotion {
         let many: Vec<(usize, f64)> =
             shares.filter(|(_, pct)| *pct > MANY_INTERPOLATED_PCT).collect();
         let (at, pct) = many.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let unseen = match self.len() - self.seen_frames().len() {
+        let unseen = match self.len() - self.frames_with_cell().len() {
             0 => String::new(),
             unseen => format!(
                 "; {unseen} of them, with more than {:.0} %, do not count for the largest contraction",
@@ -61,7 +61,7 @@ impl CellMotion {
     fn without_rest(&self) -> Option<String> {
         let lengths = self.lengths_um();
         let rest = lengths[self.rest_index()];
-        let seen = self.seen_frames();
+        let seen = self.frames_with_cell();
         let shortening = || seen.iter().map(|&at| 100.0 * (1.0 - lengths[at] / rest));
         let shortest = shortening().fold(0.0, f64::max);
         let longest = shortening().map(|pct| -pct).fold(0.0, f64::max);

@@ -129,7 +129,7 @@ impl Headline {
 impl CellMotion {
     /// Chooses the measure of contraction for this film; see [`Measure`].
     pub fn headline(&self) -> Headline {
-        let seen = self.seen_frames();
+        let seen = self.frames_with_cell();
         let (lengths, all) = (self.lengths_um(), self.stretches());
         let rest = lengths[self.rest_index()];
         let shortening: Vec<f64> =

@@ -1,4 +1,4 @@
-//! The beating cell in as few bytes as the eye needs.
+//! The beating cell, reduced to the accuracy that is visible.
 
 use super::chart::Chart;
 use super::display::Display;
@@ -22,38 +22,39 @@ const BUDGET: usize = 1_400_000;
 const FINE: usize = 4000;
 /// Points below which squares are not made coarser still: frames are left out instead.
 const COARSE: usize = 900;
-/// What is too little to be seen, of the longer side of the cell: a quarter of a pixel on a thousand.
+/// Largest invisible error, as a part of the longer side of the cell: a quarter of a pixel in a
+/// thousand.
 const UNSEEN: f64 = 1.0 / 4000.0;
 
 /// Cells that beat, with the curves that go with them.
 #[derive(Debug, Clone)]
 pub struct BeatingCells<'a> {
-    /// What the cells are coloured by until somebody chooses.
+    /// Default colouring of the cells.
     pub colour: Field,
     /// One cell, or several that are compared with the first.
     pub cells: Vec<MovingCell<'a>>,
-    /// Charts that are seen together with the cells.
+    /// Charts shown with the cells.
     pub charts: Vec<Chart>,
-    /// Further charts, which unfold, and what they are: `12 more curves of the cell model`.
+    /// Further charts, which unfold, with their title: `12 more curves of the cell model`.
     pub folded: (String, Vec<Chart>),
-    /// What is known of what is seen, in a sentence; empty where nothing is.
+    /// A sentence about the cells, or an empty text.
     pub words: String,
 }
 
-/// A cell that moves: simulated, or followed in a film.
+/// A cell that moves: simulated, or tracked in a film.
 #[derive(Debug, Clone)]
 pub struct MovingCell<'a> {
     /// Its name among others: `50 kPa`.
     pub label: &'a str,
     /// Its mesh at rest.
     pub mesh: &'a Mesh,
-    /// Its shapes; of several frames at least as many are shown as the eye can distinguish.
+    /// Its shapes; at least those are shown that the eye can distinguish.
     pub frames: &'a [Frame],
     /// Unit vector along the fibre in each triangle.
     pub fibres: &'a [[f64; 2]],
     /// Content of myofibrils of each triangle; `None` is 1 everywhere.
     pub myofibril_content: Option<&'a [f64]>,
-    /// Whether the frames know their active tension.
+    /// Whether the frames have an active tension.
     pub has_tension: bool,
     /// The outline that was meshed, um.
     pub outline: &'a Outline,
@@ -99,7 +100,7 @@ pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>
         ta_by_triangle_kpa: None,
         positions: cell.mesh.points.clone(),
     };
-    // The last frames of a run that broke may not be shapes any more.
+    // The last frames of a run that failed may be invalid.
     let is_finite = |frame: &&Frame| frame.positions.iter().flatten().all(|x| x.is_finite());
     let mut all: Vec<&Frame> = cell.frames.iter().filter(is_finite).collect();
     if all.is_empty() {
@@ -155,7 +156,7 @@ struct Small {
     display: Display,
     kept: Vec<usize>,
     displacements: Vec<Vec<f32>>,
-    /// By how much what lies between frames may be off, um.
+    /// Tolerance of positions between frames, um.
     tolerance: f64,
 }
 
@@ -180,7 +181,7 @@ fn small(cell: &MovingCell<'_>, all: &[&Frame], budget: usize) -> Small {
             if display.rest.len() > COARSE {
                 break;
             }
-            // Sooner or later two frames are left.
+            // This ends with two frames at the latest.
             tolerance *= 1.5;
             longest = longest * 3 / 2;
         }

@@ -1,4 +1,4 @@
-//! Charts over time, with no more samples than a screen shows.
+//! Charts over time, thinned to the samples that a screen can show.
 
 use crate::digits::rounded;
 use crate::figure::{DrawnFit, Measured, around, shown};
@@ -29,16 +29,16 @@ pub struct Chart {
     pub stimuli_ms: Vec<f64>,
     /// Stimuli that were not, ms.
     pub missed_ms: Vec<f64>,
-    /// Parts of the time that stand out.
+    /// Highlighted intervals.
     pub spans: Vec<Span>,
-    /// Places on the curve.
+    /// Marked points of the curve.
     pub dots: Vec<Dot>,
 }
 
 /// A curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Whose it is, or what.
+    /// Its run or quantity.
     pub label: String,
     /// Its colour, by what it shows.
     pub tone: Tone,
@@ -62,9 +62,9 @@ pub enum Tone {
     Shortening,
     /// Calcium, and other signals of a cell model.
     Signal,
-    /// Samples as they were measured, beside a fitted curve.
+    /// Measured samples of a fit.
     Measured,
-    /// Samples as they were measured, behind what was read of them.
+    /// Measured samples before processing.
     Raw,
     /// Samples that were left out.
     Out,
@@ -72,7 +72,7 @@ pub enum Tone {
     Run(usize),
 }
 
-/// A part of the time that stands out.
+/// A highlighted interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Span {
     /// First time, ms.
@@ -90,7 +90,7 @@ pub struct Dot {
     pub t_ms: f64,
     /// Value.
     pub value: f64,
-    /// What is beside it; empty where that would crowd the chart.
+    /// Its label; empty where labels would overlap.
     pub words: String,
     /// Where the words are.
     pub side: Side,
@@ -243,7 +243,7 @@ impl Chart {
     }
 }
 
-/// A place where something was read; the steepest ones have no words.
+/// A point where a metric was read; the steepest points have no label.
 fn dot(mark: &Mark) -> Dot {
     let (words, side) = match mark.name.split_once(" % ") {
         Some((part, "up")) => (format!("{part} %"), Side::Left),
@@ -266,7 +266,7 @@ fn notes(curve: &Measured) -> Vec<&'static str> {
     notes
 }
 
-/// Times of curves, each list once, and which of their samples are kept.
+/// Times of curves, each list once, and which of their samples are drawn.
 #[derive(Debug, Default)]
 pub(super) struct Times<'a> {
     lists: Vec<(&'a [f64], Vec<&'a [f64]>)>,

@@ -18,17 +18,18 @@ pub(super) struct Display {
     pub(super) rest: Vec<[f64; 2]>,
     /// Corners of each square, counter-clockwise.
     pub(super) corners: Vec<[u32; 4]>,
-    /// As many of them are of the mesh.
+    /// How many of them belong to the mesh.
     pub(super) within: usize,
     /// Points of each ring of the outline.
     pub(super) rings: Vec<usize>,
-    /// Triangles of the mesh with their areas, for each square; for one around the cell those of the square nearest to it.
+    /// Triangles of the mesh with their areas, for each square; for a square around the cell those
+    /// of the nearest square.
     pub(super) triangles: Vec<Vec<(usize, f64)>>,
     moved: Vec<Moved>,
     carried: Carried,
 }
 
-/// What moves a point.
+/// The source of a point's motion.
 enum Moved {
     /// It is a node.
     Node(u32),
@@ -146,8 +147,8 @@ fn neighbours([i, j]: Place) -> impl Iterator<Item = Place> {
     (-1..=1).flat_map(move |up| (-1..=1).map(move |along| [i + along, j + up]))
 }
 
-/// For each square around the cell one of the cell that is near; squares with none beside them are far from the mesh
-/// and left out.
+/// For each square around the cell a near square of the cell; squares without one are far from the
+/// mesh and left out.
 fn nearest(
     within: &BTreeMap<Place, Vec<(usize, f64)>>,
     around: &BTreeSet<Place>,

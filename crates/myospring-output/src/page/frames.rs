@@ -1,10 +1,11 @@
-//! Which frames the eye can tell apart.
+//! The frames that the eye can distinguish.
 
-/// Frames between two that are kept, at most, unless there is no room for so many.
+/// Largest number of frames between two that are kept, if they fit.
 pub(super) const LONGEST: usize = 12;
 
-/// The frames to keep, so that every point of the others lies within `tolerance` um of the straight line between
-/// the two around it: as few as a look ahead over `longest` frames from each finds, the first and last among them.
+/// The frames to keep, so that every point of the others lies within `tolerance` um of the straight
+/// line between the two around it: as few as a search over the next `longest` frames finds, the
+/// first and last included.
 pub(super) fn kept(
     times: &[f64],
     displacements: &[Vec<f32>],

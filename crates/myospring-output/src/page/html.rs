@@ -1,14 +1,14 @@
 //! The page as text.
 
+use super::content::Page;
 use super::error::PageError;
-use super::given::Page;
 use super::payload;
 use super::template::TEMPLATE;
 
 /// A page as one self-contained HTML file.
 ///
 /// # Errors
-/// No cell where one is to beat, or a mesh, frames and fibres that do not belong together.
+/// A beating cell without a cell, or a mesh, frames and fibres that do not belong together.
 ///
 /// # Example
 /// ```
@@ -56,7 +56,7 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     let data = for_script(&payload::json(page)?);
     let title = for_markup(page.title);
     let mut text = String::with_capacity(TEMPLATE.len() + data.len());
-    // In one pass: what is filled in may itself look like a place to fill.
+    // In one pass, since inserted text may contain placeholders.
     let mut rest = TEMPLATE.as_str();
     while let Some((before, after)) = rest.split_once("{{") {
         text.push_str(before);
@@ -85,7 +85,7 @@ fn for_markup(text: &str) -> String {
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
             '\'' => safe.push_str("&#39;"),
-            // No text has them, and no parser takes them as they are.
+            // Not valid in HTML.
             '\0' => safe.push('\u{fffd}'),
             other => safe.push(other),
         }
@@ -93,7 +93,7 @@ fn for_markup(text: &str) -> String {
     safe
 }
 
-/// JSON within a script element: nothing in it may end the element or begin a comment.
+/// JSON within a script element: it must not end the element or begin a comment.
 fn for_script(json: &str) -> String {
     let mut safe = String::with_capacity(json.len());
     for character in json.chars() {

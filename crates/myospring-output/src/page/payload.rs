@@ -1,10 +1,10 @@
-//! What a page has as data; `page/src/payload.d.ts` says the same for the page.
+//! The data of a page; `page/src/payload.d.ts` has the same types for its script.
 
 use super::cell::{self, BeatingCells, CellData};
 use super::chart::{Chart, ChartData, Times};
+use super::content::{Answer, Page, Part, Section};
 use super::error::PageError;
 use super::figure::{Drawing, Thumbnail};
-use super::given::{Answer, Page, Part, Section};
 use super::table::{Table, Tile};
 use crate::digits::rounded;
 use crate::figure::LikelihoodProfile;

@@ -9,7 +9,7 @@ use myospring_core::mesh::outline::Outline;
 use myospring_core::mesh::pixel_size::PixelSize;
 use serde::Serialize;
 
-/// What is shown around the cell, of its longer side.
+/// Margin around the cell, as a part of its longer side.
 const AROUND: f64 = 0.15;
 /// Longest side, pixels.
 const LONGEST: f64 = 900.0;
@@ -37,7 +37,8 @@ pub(super) struct PictureData {
 }
 
 impl<'a> Photograph<'a> {
-    /// A cell with its outline, small: a PNG at most 160 pixels wide and high; none where it is not on the picture.
+    /// A cell with its outline, small: a PNG at most 160 pixels wide and high; `None` if it is
+    /// outside the picture.
     ///
     /// # Errors
     /// A picture that cannot be drawn.
@@ -49,7 +50,8 @@ impl<'a> Photograph<'a> {
         drawn.to_png(DPI).map(Some)
     }
 
-    /// The part around an outline with its lower left and upper right corner, um; none where they do not meet.
+    /// The part around an outline with its lower left and upper right corner, um; `None` if they do
+    /// not overlap.
     fn around(&self, outline: &Outline) -> Option<(Part<'a>, [[f64; 2]; 2])> {
         let [low, high] = outline.bounds();
         let pixel = self.pixel_size.um();
@@ -76,7 +78,7 @@ impl<'a> Photograph<'a> {
     }
 }
 
-/// The part around an outline; none where they do not meet.
+/// The part around an outline; `None` if they do not overlap.
 pub(super) fn of(
     picture: &Photograph<'_>,
     outline: &Outline,

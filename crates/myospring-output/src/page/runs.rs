@@ -1,8 +1,8 @@
-//! The sections of runs: what they have in common, whatever they were made for.
+//! The sections of runs, common to all experiments.
 
 use super::cell::{BeatingCells, MovingCell};
 use super::chart::{Chart, Series, Tone};
-use super::given::{Part, Section};
+use super::content::{Part, Section};
 use super::photograph::Photograph;
 use super::table::{Column, Look, Row, Table, TableCell, Tile, VerdictMark, metric_words};
 use crate::field::Field;
@@ -35,9 +35,9 @@ pub struct Difference {
 /// A run on a page.
 #[derive(Debug, Clone)]
 pub struct PageRun<'a> {
-    /// Short, to tell runs apart: `50 kPa`.
+    /// A short label: `50 kPa`.
     pub label: &'a str,
-    /// Its numbers, and what a person should look at.
+    /// Its numbers and warnings.
     pub summary: &'a Summary,
     /// Its curves and frames.
     pub recording: &'a Recording,
@@ -103,7 +103,7 @@ const TILED: usize = 3;
 const SIGNALS: usize = 3;
 
 impl<'a> Runs<'a> {
-    /// What a person should look at, run by run.
+    /// Warnings, run by run.
     pub fn warnings(&self) -> Vec<String> {
         let several = self.runs.len() > 1;
         let of = |run: &PageRun<'_>| {
@@ -118,7 +118,7 @@ impl<'a> Runs<'a> {
     /// The numbers that a person looks at first.
     pub fn key_numbers(&self) -> Section<'a> {
         let has = |name: &str| self.runs.iter().any(|run| run.metric(name).value.is_some());
-        // How much longer cells become counts where none becomes shorter.
+        // Lengthening is shown only if no cell becomes shorter.
         let usual = |name: &str| name != "peak_lengthening" || !has("peak_shortening");
         let names = KEY.into_iter().filter(|name| has(name) && usual(name));
         let several = self.runs.len() > 1;
@@ -173,7 +173,7 @@ impl<'a> Runs<'a> {
         units.into_iter().find(|unit| !unit.is_empty()).unwrap_or_default()
     }
 
-    /// The beating cells and their curves, after charts of one's own.
+    /// The beating cells and their curves, after additional charts.
     pub fn beat(&self, colour: Field, mut charts: Vec<Chart>) -> Section<'a> {
         let mut own = self.charts();
         let signals = own.len() - own.iter().position(|(signal, _)| *signal).unwrap_or(own.len());
@@ -281,8 +281,8 @@ impl<'a> Runs<'a> {
         sections
     }
 
-    /// The parts of the only run, or those of each of several behind its name; on paper those of the first, since a table
-    /// says in what the others differ.
+    /// The parts of the only run, or those of each of several under its name; on paper only those
+    /// of the first, since a table lists the differences.
     fn each(&self, parts: impl Fn(&PageRun<'a>) -> Vec<Part<'a>>) -> Vec<Part<'a>> {
         let folded = |(index, run): (usize, &PageRun<'a>)| {
             let (title, parts) = (run.label.to_owned(), parts(run));
@@ -403,13 +403,14 @@ impl<'a> PageRun<'a> {
         self.groups().into_iter().map(|(name, metrics)| (name, names(metrics))).collect()
     }
 
-    /// A metric of the first beat that counts, or, of several, its mean; nothing where the run has none of this name.
+    /// A metric of the first beat that counts, or the mean over several; empty if the run does not
+    /// have it.
     fn metric(&self, name: &str) -> Read {
         let metric = self.groups().into_iter().flat_map(|(_, all)| all).find(|it| it.name == name);
         let Some(metric) = metric else { return Read::default() };
         let over_beats = self.summary.beat_to_beat.iter().find(|spread| spread.name == name);
         let value = over_beats.map(|spread| spread.mean).or(metric.value);
-        // What is known is of unloaded cells.
+        // The bands are those of unloaded cells.
         let loaded = self.summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
         Read {
             value,
@@ -521,7 +522,7 @@ fn curves(recording: &Recording) -> Vec<Curve> {
         curve("Active tension", "kPa", Tone::Tension, |sample| Some(sample.ta_kpa)),
         curve("Shortening", "%", Tone::Shortening, |sample| Some(sample.shortening_pct)),
     ]);
-    // What only grows from beat to beat is a number and no curve.
+    // A signal that only grows from beat to beat is not drawn.
     let signals = recording.signals.iter().filter(|signal| !signal.is(STEEPEST_RISE));
     all.extend(signals.map(|signal| Curve {
         name: signal.name.clone(),

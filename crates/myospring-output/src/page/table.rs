@@ -16,14 +16,15 @@ pub struct Table {
     pub rows: Vec<Row>,
 }
 
-/// Units that columns of results have in their names, those that end like another before it.
+/// Units in the names of columns; a unit that ends like another comes before it.
 const UNITS: [&str; 18] = [
     "um^2", "1/um", "um/s", "um/ms", "um", "L0/s", "1/ms", "1/s", "kPa/s", "kPa ms", "kPa", "% ms",
     "%", "mV/ms", "mV", "ms", "deg", "s",
 ];
 
 impl Table {
-    /// A table of results that a reader sorts and filters: its first rows, and the columns that are wanted by their names.
+    /// A table of results that a reader sorts and filters: its first rows, and the columns that are
+    /// chosen by name.
     pub fn of(
         caption: &str,
         table: &table::Table,
@@ -78,7 +79,8 @@ pub struct Column {
     /// What it is; shown on hover.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub definition: String,
-    /// What it holds, for its look: `number`, `unit`, `band`, `meaning`, `source`, or nothing in particular.
+    /// What it holds, for its style: `number`, `unit`, `band`, `meaning`, `source`, or nothing in
+    /// particular.
     #[serde(skip_serializing_if = "str::is_empty")]
     pub class: &'static str,
 }
@@ -106,7 +108,7 @@ impl Column {
 pub struct Row {
     /// A cell for each column.
     pub cells: Vec<TableCell>,
-    /// Whether it stands out: a parameter that was changed, a cell that is doubtful.
+    /// Whether it is highlighted: a changed parameter, a doubtful cell.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub marked: bool,
 }
@@ -117,7 +119,7 @@ impl From<Vec<TableCell>> for Row {
     }
 }
 
-/// What a table or a tile says in one place.
+/// A cell of a table, or a value of a tile.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct TableCell {
     /// Text; of a number `None`.
@@ -135,13 +137,13 @@ pub struct TableCell {
     /// What the text is; shown on hover.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub definition: String,
-    /// What is said below it, such as why there is no number.
+    /// A note below it, such as why there is no number.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub note: String,
     /// A verdict on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mark: Option<VerdictMark>,
-    /// The number that it is compared with, where it is: `[None]` where that is missing.
+    /// The number that it is compared with, if any; `[None]` if that is missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub against: Option<[Option<f64>; 1]>,
 }
@@ -195,7 +197,7 @@ pub struct Tile {
     pub definition: String,
     /// Its value; of several things each with its name.
     pub values: Vec<(String, TableCell)>,
-    /// What is said of it, a line each.
+    /// Notes, a line each.
     pub lines: Vec<TableCell>,
 }
 

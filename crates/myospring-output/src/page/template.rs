@@ -1,4 +1,5 @@
-//! The page without its data, put together from its source: style, drawing and the library for curves in one file.
+//! The page without its data, assembled from its source: style, drawing and the library for curves
+//! in one file.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -48,7 +49,7 @@ pub(super) static TEMPLATE: LazyLock<String> = LazyLock::new(|| {
     let style = without_imports(include_str!("../../page/src/report.css"), &["@import "]);
     let style = format!("{}\n{style}", CURVES[0]);
     let script = script();
-    // Nothing but what stands in the file: no network, no other script.
+    // Only content of the file: no network, no other script.
     let policy = format!(
         "default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
         hash(&script),
@@ -59,18 +60,18 @@ pub(super) static TEMPLATE: LazyLock<String> = LazyLock::new(|| {
     page.replacen("{{script}}", &script, 1)
 });
 
-/// All modules in one scope: what they import from each other stands there already.
+/// All modules in one scope, so that imports are not needed.
 fn script() -> String {
     let mut all = String::from("(() => {\n\"use strict\";\n");
     all.push_str(CURVES[1]);
     for (name, text) in MODULES {
-        // Types, in comments, are the checker's alone.
+        // Types in comments are only for the type checker.
         let text = without_imports(text, &["import ", "/** @import "]);
         let text = text.strip_prefix("export ").unwrap_or(&text).replace("\nexport ", "\n");
         let _ = write!(all, "\n// {name}\n{text}");
     }
     all.push_str("})();");
-    // What ends a script element must not stand within one.
+    // A script element must not contain its own end tag.
     all.replace("</script", "<\\/script")
 }
 

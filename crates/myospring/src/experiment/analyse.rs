@@ -42,13 +42,13 @@ use crate::output::json;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Curves of which a figure is drawn, at most: each takes some 50 ms.
+/// The largest number of curves that get a figure; each takes some 50 ms.
 const FIGURES: usize = 500;
-/// Notes that a failure has.
+/// Notes that an error message lists.
 const NAMED: usize = 10;
-/// Curves whose reasons for having no beat are warnings, each its own.
+/// Up to this many curves without a beat, each gets its own warning.
 const WHOLE: usize = 3;
-/// Remarks that are warnings.
+/// The largest number of remarks that become warnings.
 const REMARKS: usize = 20;
 
 /// Finds the beats of measured curves.
@@ -91,7 +91,7 @@ impl Experiment for Analyse {
                     all.add(&file, table.curves, &self.beats);
                 }
                 Err(error) if inputs.len() == 1 => return Err(error.into()),
-                // The others are as good as they were.
+                // The other files are not affected.
                 Err(error) => {
                     all.notes.push(format!("left out: {error}"));
                     all.left_out += 1;
@@ -205,7 +205,7 @@ impl Outcome for Analysed {
                 folder.figures(Theme::Light, &[(name, &draw)], observer)?;
             }
             observer.reached(done as u64 + 1);
-            if observer.interruption().is_asked() {
+            if observer.interruption().is_requested() {
                 break;
             }
         }

@@ -1,4 +1,4 @@
-//! The cells of many pictures beat: one row a cell.
+//! Simulates the cells of many pictures: one row per cell.
 
 mod kept;
 mod members;
@@ -29,7 +29,7 @@ use std::time::Instant;
 const CSV: &str = "cells.csv";
 const PARQUET: &str = "cells.parquet";
 
-/// Beats the cells of many pictures.
+/// Simulates the cells of many pictures.
 pub struct Batch {
     /// Which pictures.
     pub pictures: Pictures,
@@ -39,10 +39,10 @@ pub struct Batch {
     pub figures: bool,
     /// Pictures at a time; `None` takes as many as there are cores.
     pub jobs: Option<usize>,
-    /// The folder in which all that is done is kept, so that the batch goes on where it was; without one, the rows
-    /// alone come back.
+    /// The folder in which finished work is stored, so that an interrupted batch continues; without
+    /// one only the rows are returned.
     pub target: Option<PathBuf>,
-    /// Whether the batch begins anew in its folder.
+    /// Whether to start again in this folder.
     pub force: bool,
 }
 
@@ -60,7 +60,7 @@ pub struct PreparedBatch<'a> {
     started: Instant,
 }
 
-/// What came of a batch.
+/// The result of a batch.
 pub struct Batched {
     /// The folder of the results, if there is one.
     pub results: Option<PathBuf>,
@@ -115,7 +115,7 @@ impl Batch {
             journal = if self.force {
                 Journal::begin_anew(target, &settings, &files.reads())?
             } else {
-                Journal::open_beside(target, &settings, &files.reads())?
+                Journal::open_protecting(target, &settings, &files.reads())?
             };
             manifest = Some(journal.manifest().unwrap_or_else(|| Manifest::of(target)));
         }
@@ -162,10 +162,11 @@ impl Batch {
 }
 
 impl PreparedBatch<'_> {
-    /// Works on every picture that is not done.
+    /// Processes every picture that is not done.
     ///
     /// # Errors
-    /// What the disk says; what is wrong with a picture is its row.
+    ///
+    /// Errors of the disk; an error of a picture is in its row.
     pub fn run(self, observer: &dyn Observer) -> Result<Batched, ExperimentError> {
         let Self { batch, notes, pictures, journal, manifest, files, interruption, started } = self;
         let seen = Seen {
@@ -261,7 +262,7 @@ fn write_table(
     write(PARQUET, &table.to_parquet()?)
 }
 
-/// Tells how far a batch has come, and writes its table.
+/// Reports the progress of a batch and writes its table.
 struct Seen<'a> {
     observer: &'a dyn Observer,
     interruption: Interruption,
@@ -292,7 +293,7 @@ impl study::StudyObserver<Picture> for Seen<'_> {
             self.observer.failed(&picture.name, &row.reason);
         }
         self.observer.reached(1 + self.done.fetch_add(1, Ordering::Relaxed));
-        !self.interruption.is_asked()
+        !self.interruption.is_requested()
     }
 
     fn table(&self, rows: &[CellRow]) -> Result<(), Cause> {

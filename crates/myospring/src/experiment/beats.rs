@@ -4,8 +4,8 @@ use super::error::ExperimentError;
 use crate::analysis::curve::CurveOptions;
 use crate::measured::Curve;
 
-/// Shortest and longest interval between stimuli, ms: a tenth of what the fastest hearts beat at, which bounds how many
-/// there are, and that of the setting.
+/// Shortest and longest interval between stimuli, ms. The shortest is a tenth of the cycle of the
+/// fastest hearts, which limits their number; the longest is that of the setting.
 const PERIODS_MS: [f64; 2] = [10.0, 1e5];
 /// Longest smoothing, ms.
 const MOST_SMOOTHING_MS: f64 = 1e5;
@@ -13,7 +13,8 @@ const MOST_SMOOTHING_MS: f64 = 1e5;
 /// How beats of measured curves are found and read.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct BeatOptions {
-    /// When stimuli fell, ms on the clock of the curve; without any, those that a file has marks of are taken.
+    /// Times of the stimuli, ms on the clock of the curve; if empty, those marked in the file are
+    /// used.
     pub stimuli_ms: Vec<f64>,
     /// Stimuli at regular intervals instead, ms, from `start_ms` to the end of the curve.
     pub period_ms: Option<f64>,

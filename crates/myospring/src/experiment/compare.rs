@@ -1,7 +1,7 @@
-//! Runs beside each other: in which settings and numbers they differ.
+//! Comparisons of runs: in which settings and numbers they differ.
 //!
-//! An input is a run file, a picture, an outline or a folder of results; each is compared as it is, with factors on its
-//! numbers, and at doses of drugs.
+//! An input is a run file, a picture, an outline or a folder of results. Each is compared
+//! unchanged, with factors on its numbers, and at doses of drugs.
 
 mod job;
 mod page;
@@ -28,7 +28,7 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
-/// What people open of a comparison: the first of these that is there.
+/// The file of a comparison that people open: the first of these that exists.
 pub const PAGE_OR_FIGURE: [&str; 2] = ["report.html", "figures/compared.png"];
 
 /// Runs that were compared.

@@ -1,4 +1,4 @@
-//! What goes wrong in an experiment, as people see it.
+//! Errors of experiments, as people see them.
 
 use super::legible;
 use crate::cell::ModelError;
@@ -21,7 +21,7 @@ use std::io;
 use std::ops::Range;
 use std::path::Path;
 
-/// A message, how to mend it, and where there is one the place in a text.
+/// A message, how to mend it, and, if it is about a text, the place in it.
 #[derive(Debug, Clone)]
 pub struct ExperimentError {
     message: String,

@@ -12,12 +12,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[derive(Debug, Clone, Default)]
 pub struct Files {
     reads: Arc<Mutex<Reads>>,
-    /// Contents by name: those of files that are none.
+    /// Contents by name, for files that are not on the disk.
     held: Arc<BTreeMap<String, Vec<u8>>>,
 }
 
 impl Files {
-    /// Files of which some are not on the disk: their contents, by the names that settings have for them.
+    /// Files of which some are not on the disk; `held` has their contents, by the names that
+    /// settings use.
     pub fn holding(held: BTreeMap<String, Vec<u8>>) -> Self {
         Self { held: Arc::new(held), ..Self::default() }
     }
@@ -67,10 +68,11 @@ impl Files {
         }
     }
 
-    /// Refuses a file that a person named where it is one that is read, or where the name is that of no file.
+    /// Refuses to write a file that was read, or whose name is not a file name.
     ///
     /// # Errors
-    /// That it is, and how to mend it.
+    ///
+    /// The reason, and how to mend it.
     pub fn check_writable(&self, path: &Path) -> Result<(), ExperimentError> {
         self.reads().check_file(path)?;
         Ok(files::check_writable(path)?)

@@ -57,8 +57,8 @@ impl FitCell {
     /// Reads every file, follows the film, and checks all that can be checked before the work of the fits.
     ///
     /// # Errors
-    /// Files that cannot be read, a film whose cell cannot be followed, a run that cannot be fitted, and names that are
-    /// not sought.
+    /// Files that cannot be read, a film whose cell cannot be followed, a run that cannot be
+    /// fitted, and names of parameters that are not fitted.
     pub fn ready(
         &self,
         files: &Files,
@@ -72,7 +72,7 @@ impl FitCell {
         let stem = stem.and_then(|path| path.file_stem());
         let stem = stem.map(|stem| stem.to_string_lossy().into_owned());
         let interruption = observer.interruption();
-        if film.is_some() && interruption.is_asked() {
+        if film.is_some() && interruption.is_requested() {
             let name = self.cell.as_ref().or(self.to.first()).and_then(|path| path.file_stem());
             let name = name.unwrap_or_default().to_string_lossy().into_owned();
             return Ok(PreparedFit { name, stem, film, work: None, notes: Vec::new() });
@@ -82,7 +82,7 @@ impl FitCell {
             None => curves::of_tables(&self.to, &self.table, files)?,
         };
         let loaded = self.between_springs(curves.len(), files)?;
-        // A film without another picture is its own.
+        // A film without another picture gives the cell itself.
         let own =
             film.as_ref().filter(|film| self.cell.as_ref().is_none_or(|cell| *cell == film.path));
         let (name, mut run, shaped) = match own {
@@ -113,7 +113,7 @@ impl FitCell {
         Ok(PreparedFit { name, stem, film, work: Some(work), notes })
     }
 
-    /// The settings that were given; a fit goes along equilibria, so a viscous cell need not be told to.
+    /// The settings that were given. Fits are quasi-static, so a viscous cell needs no integrator.
     fn settings(&self) -> Vec<ChosenSetting> {
         const METHOD: &str = "numerics.integrator";
         let has = |key: &str| self.settings.iter().any(|(setting, _)| setting.key == key);
@@ -156,13 +156,13 @@ impl FitCell {
 
     fn sought(&self, run: &Run, loaded: bool) -> Result<FitSettings, ExperimentError> {
         self.sought.settings(&*run.cell, loaded).map_err(|error| match error {
-            FitError::NotSought { name, sought }
+            FitError::NotFitted { name, sought }
                 if self.sought.fix.iter().any(|it| it.trim() == name) =>
             {
                 ExperimentError::new(format!("--fix: `{name}` is not fitted anyway"))
                     .advise(format!("sought are {sought}"))
             }
-            FitError::NotSought { name, sought } => {
+            FitError::NotFitted { name, sought } => {
                 ExperimentError::new(format!("--bounds: `{name}` is not fitted"))
                     .advise(format!("sought are {sought}; --free adds others"))
             }
@@ -172,17 +172,17 @@ impl FitCell {
 }
 
 impl PreparedFit {
-    /// A name for the folder of its results: `cell_fit`, of several cells `cells_fits`.
+    /// A name for the folder of the results: `cell_fit`, for several cells `cells_fits`.
     pub fn results(&self) -> String {
         let of = self.stem.as_ref().unwrap_or(&self.name);
         let many = self.work.as_ref().is_some_and(|work| work.curves.len() > 1);
         format!("{of}_{}", if many { "fits" } else { "fit" })
     }
 
-    /// How many curves there are, and how long the fit of one takes on one thread, where that is long.
+    /// The number of curves and, if fits are slow, how long the fit of one takes on one thread.
     pub fn forecast(&self) -> (usize, Option<Duration>) {
         let Some(work) = &self.work else { return (0, None) };
-        // A curve without a beat says so later.
+        // A curve without a beat is reported later.
         let first =
             |curve: &curves::Named| curves::observed(curve.1.as_ref().ok()?, &work.beats).ok();
         let takes = work.curves.iter().find_map(first).and_then(|observed| {
@@ -194,7 +194,8 @@ impl PreparedFit {
     /// Fits every cell.
     ///
     /// # Errors
-    /// Of one curve why it cannot be fitted; of several that is said in its place.
+    ///
+    /// For a single curve, why it cannot be fitted; for several, the reason is in the cell's row.
     pub fn run(self, observer: &dyn Observer) -> Result<Fits, ExperimentError> {
         let Self { name, film, work, mut notes, .. } = self;
         let cells = match &work {
@@ -202,7 +203,7 @@ impl PreparedFit {
             None => Vec::new(),
         };
         let (mut map, mut shapes) = (None, None);
-        // Of the film's own shape: another picture has other points.
+        // Only for the film's own shape: another picture has other points.
         if let (Some(work), Some(film), Some(first)) =
             (work.as_ref().filter(|work| work.own), &film, cells.first())
         {
@@ -211,7 +212,7 @@ impl PreparedFit {
                 Ok(found) => map = Some(found),
                 Err(error) => notes.push(format!("the map of tension is left out: {error}")),
             }
-            if let (Ok(fit), false) = (&first.found, observer.interruption().is_asked()) {
+            if let (Ok(fit), false) = (&first.found, observer.interruption().is_requested()) {
                 shapes = Shapes::of(Arc::clone(followed), &work.fitter, &work.run, fit)?;
             }
         }
@@ -239,7 +240,7 @@ impl Work {
             let goes_on = |part: f64| {
                 let now = (STEPS * (number as f64 + part) / count as f64) as u64;
                 observer.reached(done.fetch_max(now, Ordering::Relaxed).max(now));
-                !interruption.is_asked()
+                !interruption.is_requested()
             };
             let fitted = |curve: &Curve| {
                 let all = self.with_loaded(curves::observed(curve, &self.beats)?);

@@ -17,7 +17,7 @@ const DPI: f64 = 300.0;
 /// What draws a figure.
 pub type Draw<'a> = &'a (dyn Fn() -> Result<Figure, FigureError> + Sync);
 
-/// A folder under way: files go to a hidden folder until all are there.
+/// A folder of results in progress: files go to a hidden folder until all are written.
 pub struct Folder {
     target: PathBuf,
     draft: Draft,
@@ -32,11 +32,12 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Makes room for results in `target`. Refused: what [`Folder::check`] refuses, and a folder that another run is
-    /// writing to.
+    /// Prepares `target` for results. Refused: what [`Folder::check`] refuses, and a folder that
+    /// another run is writing to.
     ///
     /// # Errors
-    /// What is refused, and a folder that cannot be made.
+    ///
+    /// The reason, or a folder that cannot be made.
     pub fn claim(target: &Path, force: bool, files: &Files) -> Result<Self, ExperimentError> {
         let reads = files.reads();
         Self::check_beside(target, force, &reads)?;
@@ -45,11 +46,12 @@ impl Folder {
         Ok(Self { target, draft, force, manifest, has_manifest: true, reads, written })
     }
 
-    /// Refuses a folder that holds anything, unless `force`; and then one with files that its manifest does not list,
-    /// that were changed since, or that were read.
+    /// Refuses a folder that is not empty, unless `force`. With `force` it refuses one with files
+    /// that its manifest does not list, that were changed since, or that were read.
     ///
     /// # Errors
-    /// What is refused.
+    ///
+    /// The reason.
     pub fn check(target: &Path, force: bool, files: &Files) -> Result<(), ExperimentError> {
         Self::check_beside(target, force, &files.reads())
     }
@@ -125,11 +127,11 @@ impl Folder {
         self.written().contains_key(name)
     }
 
-    /// Lets `make` make one file at a path.
+    /// Calls `make` to write one file at a path.
     ///
     /// # Errors
     /// What `make` gives, or that it made no file.
-    pub fn made(
+    pub fn write_with(
         &self,
         name: &str,
         make: impl FnOnce(&Path) -> Result<(), ExperimentError>,
@@ -156,12 +158,12 @@ impl Folder {
         self.written().keys().cloned().collect()
     }
 
-    /// Takes back the files that were written since there were only these.
+    /// Deletes all files written except these.
     pub fn withdraw_all_but(&self, names: &BTreeSet<String>) {
         self.written().retain(|name, _| {
             let stays = names.contains(name);
             if !stays {
-                // One that cannot be removed is whole.
+                // A file that cannot be deleted is complete.
                 fs::remove_file(self.draft.folder().join(name)).ok();
             }
             stays
@@ -169,7 +171,7 @@ impl Folder {
     }
 
     fn written(&self) -> MutexGuard<'_, BTreeMap<String, u64>> {
-        // Sizes are whole whenever the lock is free, also after a panic elsewhere.
+        // Sizes are complete whenever the lock is free, also after a panic elsewhere.
         self.written.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -185,7 +187,7 @@ impl Folder {
     ) -> Result<(), ExperimentError> {
         let themed = |draw: Draw<'_>| draw().map(|figure| figure.themed(theme));
         figures.par_iter().try_for_each(|(name, draw)| {
-            // What was computed is kept, whatever becomes of its pictures.
+            // Results that were computed are written even if their figures are not.
             if observer.is_late() {
                 observer.warn(&format!("figure {name} is left out: the program was interrupted"));
                 return Ok(());
@@ -213,10 +215,12 @@ impl Folder {
         }
     }
 
-    /// Gives the folder its name. Earlier results there go, all that the manifest lists. Where that cannot be done without
-    /// the loss of another file, which came since it was claimed, the results get a name beside it.
+    /// Gives the folder its name. Earlier results that the manifest lists are deleted. If another
+    /// file appeared in the folder since it was claimed, the results get another name next to it,
+    /// so that nothing is lost.
     ///
     /// # Errors
+    ///
     /// Files that cannot be moved.
     pub fn finish(self, observer: &dyn Observer) -> Result<PathBuf, ExperimentError> {
         let target = &self.target;
@@ -251,7 +255,8 @@ impl Folder {
             observer.warn(&format!("{why}; the results are in `{}`", free.display()));
             return Ok(free);
         }
-        // Listed before they are there, so that also a folder that is half replaced can be replaced.
+        // Listed before they are moved, so that a folder that is only half replaced can be
+        // replaced, too.
         self.manifest.announce(&names, &work)?;
         self.manifest.clear(&[]).and_then(|()| merge(&work, target)).map_err(failed)?;
         self.manifest.settle()?;

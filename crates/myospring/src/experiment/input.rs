@@ -87,7 +87,7 @@ pub fn mesh_picture(
     }
 }
 
-/// Reads and checks every setting; the name of the results, and the run.
+/// Reads and checks every setting; returns the name of the results, and the run.
 ///
 /// # Errors
 /// A file that is not a picture, an outline or a run file, and settings that are not possible.
@@ -120,7 +120,7 @@ pub fn settle_with(
                 reader = reader
                     .text(&path.display().to_string(), &content)
                     .map_err(|error| ExperimentError::of_run_file(&error, Some(&content)))?
-                    .beside(path.parent().unwrap_or(Path::new("")));
+                    .relative_to(path.parent().unwrap_or(Path::new("")));
                 text = Some(content);
             }
             kind if PICTURE_ENDINGS.contains(&kind) || OUTLINE_ENDINGS.contains(&kind) => {
@@ -155,7 +155,7 @@ pub fn settle_with(
     Ok((name, run))
 }
 
-/// Why a file is not read whose ending is not a known one.
+/// Why a file with an unknown ending is not read.
 fn unread(path: &Path) -> ExperimentError {
     const KNOWN: &str = "give a picture or mask (.png, .tif, .tiff), an outline (.geojson, .json, .csv, .roi, \
                          .zip, .txt) or a run file (.toml)";

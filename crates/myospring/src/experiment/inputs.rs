@@ -1,5 +1,5 @@
-//! The files that a run was made from, as its results name them: copied beside the results, so that a folder that is
-//! moved repeats its run, or, where they are large, by their place relative to the results.
+//! The input files of a run, as its results name them. They are copied into the results, so that a
+//! moved folder repeats its run; large ones are named by their path relative to the results.
 
 use super::error::ExperimentError;
 use super::folder::Folder;
@@ -24,7 +24,8 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// Copies the files that a run file names into the results, large ones aside; `read` reads a file by its name.
+    /// Copies the files that a run file names into the results, except large ones; `read` reads a
+    /// file by its name.
     ///
     /// # Errors
     /// A copy that cannot be written.
@@ -83,7 +84,7 @@ impl Inputs {
         Ok(())
     }
 
-    /// Names a file that is not copied as it is seen from a folder of the results.
+    /// Names a file that is not copied by its path relative to a folder of the results.
     pub fn stays(&mut self, path: &str, folder: &Path) {
         if let Some(name) = relative(Path::new(path), folder) {
             self.names.insert(path.to_owned(), name);
@@ -101,7 +102,8 @@ impl Inputs {
         all.find(|name| !taken(name)).unwrap_or_default()
     }
 
-    /// The name of a file within the results, after the way `up` to them; as it is where nothing is known of it.
+    /// The path `up` to the results, followed by the name of a file within them; unchanged for an
+    /// unknown file.
     pub fn name(&self, path: &str, up: &str) -> String {
         self.names.get(path).map_or_else(|| path.to_owned(), |name| format!("{up}{name}"))
     }
@@ -115,7 +117,7 @@ impl Inputs {
     }
 }
 
-/// A path as seen from a folder, with `/`; `None` where there is no way, as from one drive to another.
+/// A path relative to a folder, with `/`; `None` if there is none, as from one drive to another.
 pub fn relative(path: &Path, folder: &Path) -> Option<String> {
     let [path, folder] = [path, folder].map(|it| std::path::absolute(it).map(|it| plain(&it)));
     let (path, folder) = (path.ok()?, folder.ok()?);

@@ -1,4 +1,4 @@
-//! Texts that are safe to print and no longer than a person reads.
+//! Texts that are safe to print and short enough to read.
 
 /// Letters of a message that are printed, and of a word in it: a field of a damaged file may be as long as the file.
 const LONGEST: usize = 6000;
@@ -6,7 +6,7 @@ const LONGEST_WORD: usize = 300;
 /// Digits of a number that is printed as it is.
 const MOST_DIGITS: usize = 30;
 
-/// A text whose control characters are written out, so that a name of a file does nothing to the terminal.
+/// A text whose control characters are escaped, so that a file name cannot control the terminal.
 #[must_use]
 pub fn visible(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
@@ -20,7 +20,7 @@ pub fn visible(text: &str) -> String {
     plain
 }
 
-/// A message that is safe to print and no longer than a person reads.
+/// A message that is safe to print and short enough to read.
 #[must_use]
 pub fn message(text: &str) -> String {
     let text = with_powers(text);
@@ -28,7 +28,7 @@ pub fn message(text: &str) -> String {
     visible(&shortened(&words.collect::<String>(), LONGEST))
 }
 
-/// A text whose numbers of very many digits have a power of ten instead: `1e300`.
+/// A text in which numbers with very many digits are written with a power of ten: `1e300`.
 #[must_use]
 pub fn with_powers(text: &str) -> String {
     let mut short = String::with_capacity(text.len());

@@ -1,4 +1,4 @@
-//! A cell on its mesh, with its fibres. Nothing beats.
+//! A cell on its mesh, with its fibres, without a simulation.
 
 use super::error::ExperimentError;
 use super::files::Files;

@@ -1,4 +1,4 @@
-//! The picture with what was made of it, drawn.
+//! The overlay of a picture: its outlines, lattice and fibres.
 
 use crate::mesh::Mesh;
 use crate::microscopy::cells::{PictureCell, PictureCells};
@@ -7,10 +7,11 @@ use crate::microscopy::outlines::NamedOutline;
 use crate::output::figure::{self, Contour, Figure, FigureError, Overlay, Sarcomeres, Tick};
 use crate::settings::Fibres;
 
-/// Distance of the fibre ticks handed to the figure, um; it draws as many as can be told apart.
+/// Distance of the fibre ticks given to the figure, um; it draws only as many as can be
+/// distinguished.
 const TICKS_UM: f64 = 0.5;
 
-/// Most warnings below a picture: those of a field of many cells would leave it no room.
+/// Most warnings below a picture; those of a field of many cells would leave it no space.
 const MOST_WARNINGS: usize = 14;
 
 /// The first warnings, and how many there are more.

@@ -1,4 +1,5 @@
-//! Figures 3, 5 and 6 of Coelho et al. 2021, and every number that the paper states, beside ours.
+//! Figures 3, 5 and 6 of Coelho et al. 2021, and every number that the paper states, compared with
+//! ours.
 
 use super::error::ExperimentError;
 use super::files::Files;
@@ -20,9 +21,9 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-/// Beats the paper's cell at each of its tensions.
+/// Simulates the paper's cell at each of its tensions.
 pub struct Paper {
-    /// The settings but for the tension.
+    /// The settings without the tension.
     pub run: Run,
     /// Runs at a time; `None` takes as many as there are cores.
     pub threads: Option<usize>,
@@ -35,7 +36,7 @@ pub struct Reproduced {
     outline: Outline,
     /// In the order of the tensions.
     outcomes: Vec<simulation::Outcome>,
-    /// What the paper states, and what came out.
+    /// What the paper states, and our result.
     pub findings: Vec<Finding>,
     started: Instant,
 }
@@ -76,10 +77,10 @@ impl Experiment for Paper {
                 let step = (progress.time - before).round();
                 observer.reached(done.fetch_add(step as u64, Ordering::Relaxed) + step as u64);
                 before += step;
-                !interruption.is_asked()
+                !interruption.is_requested()
             }))
         };
-        // Kept in the order of the tensions, whichever run ends first.
+        // In the order of the tensions, whichever run ends first.
         let outcomes: Result<Vec<_>, ExperimentError> =
             threads.install(|| TENSIONS.par_iter().map(|tension| one(*tension)).collect());
         let outcomes = outcomes?;

@@ -1,4 +1,4 @@
-//! What there is to see of a picture of which no cell is taken: an overlay beside the refusal.
+//! The overlay of a picture in which no cell is accepted.
 
 use super::error::ExperimentError;
 use super::files::Files;
@@ -50,7 +50,7 @@ impl Refused<'_> {
         }
     }
 
-    /// The refusal of a picture with cells, none of which is the one that was asked for, or is whole.
+    /// The refusal of a picture with cells, none of which is the requested one, or is whole.
     pub(super) fn with_cells(
         &self,
         cause: ShapeError,
@@ -151,7 +151,7 @@ fn refused_beside(place: &Path) -> PathBuf {
     place.with_file_name(format!("{stem}_refused{}", ending.unwrap_or_default()))
 }
 
-/// Whether a folder holds what was written beside an earlier refusal and nothing else, so that it may be replaced.
+/// Whether a folder holds only the files of an earlier refusal, so that it may be replaced.
 pub fn is_all_there_is(folder: &Path, files: &Files) -> bool {
     let Ok(entries) = std::fs::read_dir(folder) else { return false };
     let names: Vec<String> =
@@ -164,7 +164,7 @@ pub fn is_all_there_is(folder: &Path, files: &Files) -> bool {
         && Manifest::of(folder).check_replaceable(&files.reads()).is_ok()
 }
 
-/// Whether the picture shows what the refusal is about.
+/// Whether the overlay shows the reason of the refusal.
 fn is_worth_seeing(cause: &ShapeError) -> bool {
     let ShapeError::Picture { cause, .. } = cause else {
         return matches!(cause, ShapeError::Size { .. });

@@ -1,4 +1,5 @@
-//! A cell beats: from its settings to curves, numbers, figures, films, a page and frames.
+//! The simulation of one cell: from its settings to curves, numbers, figures, films, a page and
+//! frames.
 
 mod beaten;
 mod figures;

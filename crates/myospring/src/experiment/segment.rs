@@ -1,4 +1,4 @@
-//! The cells of a picture: their outlines, how sure they are, their shape in numbers, their fibres.
+//! The cells of a picture: outlines, confidence, shape in numbers, fibres.
 
 mod formats;
 pub(super) mod report;
@@ -28,17 +28,18 @@ use std::path::{Path, PathBuf};
 /// Resolution of the overlay, dots per inch.
 const DPI: f64 = 200.0;
 
-/// Finds the cells of a picture. Nothing beats.
+/// Finds the cells of a picture, without a simulation.
 pub struct Segment {
     /// The picture, as people named it.
     pub picture: String,
     /// How it is read and segmented, and how fibres are looked for.
     pub run: Run,
-    /// Whether all cells are wanted, and not only the one that the run chooses.
+    /// Whether to return all cells, not only the one that the run chooses.
     pub all: bool,
     /// Where an overlay goes that shows why no cell is taken.
     pub refused: Option<Place>,
-    /// Files of outlines that are written even if the frame cuts the cell: what the frame leaves of it.
+    /// Files of outlines that are written even if the frame cuts the cell; they then hold the part
+    /// within the frame.
     pub of_cut: Vec<PathBuf>,
 }
 
@@ -50,7 +51,7 @@ pub struct Segmented {
     pub cells: PictureCells,
     /// Those that were asked for.
     pub chosen: Vec<Chosen>,
-    /// Those that were asked for with all others, but cannot be had.
+    /// Cells that were requested with all others but are not accepted.
     pub left_out: Vec<LeftOut>,
     all: bool,
 }
@@ -97,7 +98,7 @@ impl Experiment for Segment {
 }
 
 impl Segment {
-    /// Writes what the frame leaves of cells; the names of the files.
+    /// Writes the parts of cells within the frame; returns the names of the files.
     fn write_cut(
         &self,
         source: &PictureSource,
@@ -135,8 +136,8 @@ impl Segmented {
         overlay::draw(&self.picture, &self.cells, &all, lattice, &self.warnings())
     }
 
-    /// Writes the outlines to files, each in the format that its ending names ([`ENDINGS`]), and an overlay beside the
-    /// first; the names of all.
+    /// Writes the outlines to files, each in the format that its ending names ([`ENDINGS`]), and an
+    /// overlay next to the first; returns the names of all files.
     ///
     /// # Errors
     /// A format that cannot hold these outlines, and a file that cannot be written.
@@ -148,7 +149,7 @@ impl Segmented {
         let Some(first) = outlines.first() else { return Ok(Vec::new()) };
         let encoded: Vec<Vec<u8>> =
             outlines.iter().map(|file| self.encoded(file)).collect::<Result<_, _>>()?;
-        let (overlay, png) = (beside(first), self.overlay()?.to_png(DPI)?);
+        let (overlay, png) = (overlay_path(first), self.overlay()?.to_png(DPI)?);
         write_files(outlines.iter().zip(&encoded).chain([(&overlay, &png)]), files)
     }
 
@@ -183,7 +184,7 @@ impl Outcome for Segmented {
     }
 }
 
-/// The cells that were asked for, and of all of them those that are left out, each with the reason.
+/// The requested cells and, if all were requested, those that are left out, each with the reason.
 fn chosen(
     cells: &PictureCells,
     source: &PictureSource,
@@ -246,13 +247,14 @@ fn write_files<'a>(
         .collect()
 }
 
-/// Refuses to write outlines, and the overlay beside the first, over what is there, unless `force`, and ever over what is
-/// read.
+/// Refuses to overwrite outlines, and the overlay next to the first, unless `force`; files that are
+/// read are never overwritten.
 ///
 /// # Errors
-/// That a file is there, or is read.
+///
+/// A file that exists or is read.
 pub fn check(outlines: &[PathBuf], force: bool, files: &Files) -> Result<(), ExperimentError> {
-    let overlay = outlines.first().map(|first| beside(first));
+    let overlay = outlines.first().map(|first| overlay_path(first));
     for file in outlines.iter().chain(&overlay) {
         files.check_writable(file)?;
         if file.exists() && !force {
@@ -264,8 +266,8 @@ pub fn check(outlines: &[PathBuf], force: bool, files: &Files) -> Result<(), Exp
     Ok(())
 }
 
-/// Where the overlay goes beside a file of outlines: `cell.roi` gives `cell_overlay.png`.
-pub fn beside(file: &Path) -> PathBuf {
+/// The path of the overlay of a file of outlines: `cell.roi` gives `cell_overlay.png`.
+pub fn overlay_path(file: &Path) -> PathBuf {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     file.with_file_name(format!("{stem}_overlay.png"))
 }

@@ -1,5 +1,5 @@
-//! A study of parameters: many runs that differ in numbers. A study keeps what is done in its folder at once, so that it
-//! goes on where it was; there it also writes its files.
+//! A study of parameters: many runs that differ in numbers. A study stores finished members in its
+//! folder at once, so that it can continue after an interruption; it writes its files there, too.
 
 mod files;
 mod found;
@@ -31,7 +31,7 @@ pub struct Study {
     pub text: String,
     /// The same, checked.
     pub parameters: ParameterStudy,
-    /// Beside which its files are.
+    /// The folder of the description; its files are relative to it.
     folder: PathBuf,
     files: Files,
 }
@@ -44,7 +44,7 @@ pub struct StudyPlan {
     pub shard: Option<Shard>,
     /// Members at a time; `None` takes as many as there are cores.
     pub jobs: Option<usize>,
-    /// Whether it begins anew in its folder.
+    /// Whether to start again in this folder.
     pub force: bool,
 }
 
@@ -73,7 +73,7 @@ pub struct Studied<'a> {
 }
 
 impl Study {
-    /// Reads the description of a study; it names files as seen from where it is.
+    /// Reads the description of a study; files in it are named relative to it.
     ///
     /// # Errors
     /// A description that cannot be read or is not possible.
@@ -93,7 +93,7 @@ impl Study {
         Common::new(&self.parameters, read).map_err(ExperimentError::new)
     }
 
-    /// Opens the folder of a study, or of a part of it, and beats the run without any change.
+    /// Opens the folder of a study, or of a part of it, and simulates the unchanged run.
     ///
     /// # Errors
     /// A folder with other results, and a run that is not possible.
@@ -103,7 +103,7 @@ impl Study {
             Some(shard) => shard_folder(&plan.target, shard),
             None => plan.target.clone(),
         };
-        // Before anything beats, and once more when all files are known.
+        // Before any simulation, and again when all files are known.
         self.files.reads().check_folder(&folder)?;
         if plan.force {
             Manifest::of(&folder).check_replaceable(&self.files.reads())?;
@@ -113,14 +113,14 @@ impl Study {
         let journal = if plan.force {
             Journal::begin_anew(&folder, &settings, &reads)?
         } else {
-            Journal::open_beside(&folder, &settings, &reads)?
+            Journal::open_protecting(&folder, &settings, &reads)?
         };
         let manifest = journal.manifest().unwrap_or_else(|| Manifest::of(&folder));
         let common = common.keeping_traces(&folder, shard)?;
         Ok(Open { study: self, common, shard, jobs: plan.jobs, folder, journal, manifest })
     }
 
-    /// Puts the parts together that are in a folder.
+    /// Merges the parts in a folder.
     ///
     /// # Errors
     /// Parts that are missing or of another study.
@@ -151,7 +151,7 @@ impl Study {
         Ok(studied)
     }
 
-    /// Draws the figures of a study anew, from its table; how many, and what was left out.
+    /// Draws the figures of a study again, from its table; returns how many, and what was left out.
     ///
     /// # Errors
     /// No table, or one of another study.
@@ -180,10 +180,11 @@ impl<'a> Open<'a> {
         self.shard.size(self.study.parameters.values.members())
     }
 
-    /// Works on every member that is not done.
+    /// Processes every member that is not done.
     ///
     /// # Errors
-    /// What the disk says; what is wrong with a member is its row.
+    ///
+    /// Errors of the disk; an error of a member is in its row.
     pub fn run(self, observer: &dyn Observer) -> Result<Studied<'a>, ExperimentError> {
         let (members, threads) = (self.members(), Threads::new(self.jobs)?);
         let Self { study, common, shard, journal, manifest, .. } = self;
@@ -201,10 +202,11 @@ impl Studied<'_> {
         self.rows.len()
     }
 
-    /// Writes table, description, numbers and figures into the folder of the study: what was found, and what was left
-    /// out.
+    /// Writes table, description, numbers and figures into the folder of the study; returns the
+    /// results, and what was left out.
     ///
     /// # Errors
+    ///
     /// A file that cannot be written.
     pub fn write(&mut self) -> Result<(Found<'_>, Vec<String>), ExperimentError> {
         let parameters = &self.study.parameters;
@@ -212,7 +214,7 @@ impl Studied<'_> {
         files::write(parameters, &self.common, &answer, &self.manifest, &self.study.text)
     }
 
-    /// Refuses a study of which members are missing.
+    /// Refuses a study with missing members.
     fn check_complete(&self, target: &Path) -> Result<(), ExperimentError> {
         let there: std::collections::BTreeSet<usize> =
             self.rows.iter().map(|row| row.member).collect();
@@ -263,7 +265,7 @@ fn part_of(folder: &str) -> Option<Shard> {
     format!("{part}/{of}").parse().ok()
 }
 
-/// Tells how far a study has come.
+/// Reports the progress of a study.
 struct Seen<'a> {
     observer: &'a dyn Observer,
     interruption: Interruption,
@@ -293,7 +295,7 @@ impl study::StudyObserver<Variation> for Seen<'_> {
             self.observer.failed(&format!("member {}", member.name), &row.reason);
         }
         self.observer.reached(1 + self.done.fetch_add(1, Ordering::Relaxed));
-        !self.interruption.is_asked()
+        !self.interruption.is_requested()
     }
 
     fn interruption(&self) -> Interruption {

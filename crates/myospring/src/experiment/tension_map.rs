@@ -13,13 +13,14 @@ use crate::tension_map::{ObservedPeak, TensionMap, TensionMapError};
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Where the cell of a film pulls, without a fit: for the stiffness and the support that the settings have.
+/// Maps where the cell of a film pulls, without a fit; stiffness and support are those of the
+/// settings.
 pub struct MapTension {
     /// The film, with every setting of its cell.
     pub track: Track,
 }
 
-/// A map with the film that it is of.
+/// A map with its film.
 #[derive(Clone)]
 pub struct FilmMap {
     /// The map.
@@ -67,28 +68,29 @@ pub struct TensionMapRecord<'a> {
     frames: &'a [usize],
     mean_tension_kpa: f64,
     mean_tension_standard_deviation_kpa: f64,
-    /// Whether it is known of most of the cell where it pulls, and in which part of it the standard deviation is above
-    /// half of the tension.
+    /// Whether it is known in most of the cell, and in which part of the cell the standard
+    /// deviation is above half of the tension.
     known: bool,
     doubtful_part: f64,
-    /// That of 5 and of 95 % of the triangles; `None` where the map is not known.
+    /// The 5 and 95 % quantiles over the triangles; `None` if the map is not known.
     tension_range_kpa: Option<[f64; 2]>,
     even_tension_kpa: f64,
-    /// Whether the film tells that the cell pulls unevenly, and how often an even one would look so.
+    /// Whether the film shows that the cell pulls unevenly, and how often a uniform tension would
+    /// look as uneven.
     uneven: bool,
     chance_even: f64,
-    /// What is smaller runs together.
+    /// Smaller parts are not resolved.
     resolution_um: f64,
     numbers: f64,
     lambda_um2_per_kpa2: f64,
-    /// Root mean square distance of the points from where they were seen.
+    /// Root mean square distance of the points from their measured positions.
     misfit_um: f64,
     even_misfit_um: f64,
     verdicts: &'a [String],
 }
 
 impl FilmMap {
-    /// Of a cell that was followed, with the stiffness and the support of this simulation.
+    /// The map of a tracked cell, with the stiffness and the support of this simulation.
     ///
     /// # Errors
     /// Those of [`TensionMap::of`].
@@ -98,7 +100,7 @@ impl FilmMap {
         Ok(Self { map, followed, verdicts, notes: Vec::new() })
     }
 
-    /// What a reader of the map must know.
+    /// Warnings for a reader of the map.
     pub fn verdicts(&self) -> &[String] {
         &self.verdicts
     }
@@ -126,7 +128,7 @@ impl FilmMap {
         }
     }
 
-    /// In a line.
+    /// One line for people.
     pub fn words(&self) -> String {
         let map = &self.map;
         if !map.is_known() {
@@ -149,7 +151,8 @@ impl FilmMap {
         )
     }
 
-    /// The cell coloured by its tension, and by how sure that is; where the map is not known, why not.
+    /// The cell coloured by its tension, and by the standard deviation; if the map is not known,
+    /// the reason.
     ///
     /// # Errors
     /// A cell that cannot be drawn.
@@ -184,7 +187,7 @@ impl FilmMap {
         observer: &dyn Observer,
     ) -> Result<(), ExperimentError> {
         folder.write("tension_map.csv", self.table().to_csv()?)?;
-        // Nobody colours a cell by what is not known.
+        // The grid is written only if the map is known.
         if self.map.is_known() {
             folder.write("tension_map.vtu", self.grid()?)?;
         }

@@ -25,12 +25,12 @@ pub struct Tracked {
     pub followed: Followed,
     /// Every number, and a row for each frame.
     pub report: TrackReport,
-    /// What is saved beside the curve.
+    /// What is saved in addition to the curve.
     pub outputs: Vec<Output>,
 }
 
 impl Track {
-    /// Checks the settings and that the film is there; the name of its results.
+    /// Checks the settings and that the film exists; returns the name of the results.
     ///
     /// # Errors
     /// Settings that are not possible, and a film that is not there.

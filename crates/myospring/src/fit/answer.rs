@@ -1,4 +1,4 @@
-//! What a fit says.
+//! The result of a fit.
 
 use super::observed::Scale;
 use super::unknown::Unknown;
@@ -7,104 +7,111 @@ use serde::Serialize;
 /// A fit of one cell to its curves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
-    /// Whether the cell follows its curves: read it before any number.
+    /// Whether the model fits the curves: read it before any number.
     pub verdict: FitVerdict,
-    /// What was sought of the cell, then delays and levels.
+    /// The fitted numbers of the cell, then delays and levels.
     pub estimates: Vec<Estimate>,
-    /// Correlations of the estimates, in their order; `None` where one of them has no curvature, or where the fit says
-    /// nothing of the cell.
+    /// Correlations of the estimates, in their order; `None` where one of them has no curvature, or
+    /// where the model does not fit.
     pub correlations: Option<Vec<Vec<f64>>>,
-    /// Pairs whose estimates cannot be told apart, with their correlation: those beyond 0.95 either way.
+    /// Pairs of estimates that the curve can hardly distinguish, with their correlation: above 0.95
+    /// or below -0.95.
     pub correlated: Vec<(String, String, f64)>,
     /// Each curve with the fitted one.
     pub curves: Vec<FittedCurve>,
     /// What a reader must know, in order of weight.
     pub verdicts: Vec<String>,
-    /// Starts that came to the same answer, of how many.
+    /// The number of starts that reached this answer, and the number of all starts.
     pub agreeing_starts: [usize; 2],
-    /// Of each start that came to an answer: the root mean square of its residuals over the noise.
+    /// For each start that reached an answer: the root mean square of its residuals over the noise.
     pub starts: Vec<f64>,
-    /// Sum of squared residuals over squared noise, by degree of freedom: about 1 where the cell can follow the curve.
+    /// Sum of squared residuals over squared noise, by degree of freedom: about 1 where the model
+    /// fits.
     pub reduced_chi_squared: f64,
-    /// The variance that intervals count with, over that of the residuals: 1 where these look like noise. Of a misfit,
-    /// neighbouring frames tell the same, and the numbers that were sought have taken up a part.
+    /// The variance that intervals use, over that of the residuals: 1 where residuals look like
+    /// noise. With a misfit it is larger, since residuals of neighbouring frames are correlated and
+    /// the fitted numbers have absorbed a part of the misfit.
     pub variance_factor: f64,
-    /// Rise of chi squared, over [`Fit::reduced_chi_squared`] and [`Fit::variance_factor`], at the ends of the
-    /// intervals: 3.84 of many frames, somewhat more of few, since they tell the noise as well.
+    /// Rise of chi squared, in units of [`Fit::reduced_chi_squared`] times
+    /// [`Fit::variance_factor`], at the ends of the intervals: 3.84 for many frames, somewhat more
+    /// for few, from which the noise is estimated, too.
     pub rise_at_ends: f64,
-    /// Beats of a train before the first that was recorded, as the curve has it: 0 of one that begins from rest.
+    /// Beats of the train before the first recorded one, determined from the curve: 0 if the train
+    /// begins from rest.
     pub beats_before: usize,
-    /// Curves that were computed for it.
+    /// The number of curves that were computed.
     pub evaluations: usize,
 }
 
-/// One number that was sought.
+/// One fitted number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
     /// Its name.
     pub name: String,
-    /// Which it is of the cell's; `None` of a delay or a level.
+    /// Which number of the cell it is; `None` for a delay or a level.
     #[serde(skip)]
     pub unknown: Option<Unknown>,
     /// Its unit.
     pub unit: String,
     /// The most likely value.
     pub value: f64,
-    /// Ends of the 95 % interval by profile likelihood; `None` where the curve sets no end, and of a fit that does not
-    /// fit.
+    /// Ends of the 95 % interval by profile likelihood; `None` where the curve sets no end, and if
+    /// the model does not fit.
     pub interval: [Option<f64>; 2],
-    /// Standard deviation from the curvature at the most likely value (Fisher's information), in its unit; `None`
-    /// where that has none.
+    /// Standard deviation from the curvature at the most likely value (Fisher's information), in
+    /// its unit; `None` without curvature.
     pub standard_deviation: Option<f64>,
-    /// Bounds between which it was sought.
+    /// Bounds of the fit.
     pub bounds: [f64; 2],
-    /// Value and rise of chi squared above its least, as [`Fit::rise_at_ends`] counts it, for values around the answer;
-    /// empty of a fit that does not fit.
+    /// Value and rise of chi squared above its minimum, in the units of [`Fit::rise_at_ends`], for
+    /// values around the answer; empty if the model does not fit.
     pub profile: Vec<[f64; 2]>,
-    /// What its profile says.
+    /// The verdict from its profile.
     pub verdict: Verdict,
 }
 
-/// What a curve says of a number.
+/// What a curve determines about a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// The interval has both ends.
     Determined,
-    /// Only a lower end: larger values follow the curve as well.
+    /// Only a lower end: larger values fit the curve as well.
     AtLeast,
     /// Only an upper end.
     AtMost,
-    /// Every value within the bounds follows the curve.
+    /// Every value within the bounds fits the curve as well.
     NotDetermined,
     /// The most likely value is the lower bound.
     AtLowerBound,
     /// The most likely value is the upper bound.
     AtUpperBound,
-    /// The model does not fit, so its value says nothing of the cell.
+    /// The model does not fit, so its value is not that of the cell.
     DoesNotFit,
 }
 
-/// Whether a cell follows its curves: how large the structure in the residuals is, whatever noise is on top of it.
+/// Whether the model fits the curves: how large the structure in the residuals is, whatever the
+/// noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FitVerdict {
     /// Residuals look like noise, or their structure is below a thousandth of the curve's variance: about 1 % of the
     /// height of a beat.
     Fits,
-    /// The structure is larger; the intervals count it.
+    /// The structure is larger; the intervals include it.
     FitsNearly,
-    /// The structure leaves more than 1 % of the curve's variance unexplained, about 3 % of the height of a beat: numbers
-    /// of such a fit are not the cell's, and no interval is stated.
+    /// The structure leaves more than 1 % of the curve's variance unexplained, about 3 % of the
+    /// height of a beat: such numbers are not those of the cell, and have no intervals.
     DoesNotFit,
 }
 
-/// Parts of the curve's variance from which on a misfit is more than the one, or the other.
+/// The largest unexplained part of the curve's variance of a fit that fits, and of one that fits
+/// nearly.
 const SMALL: f64 = 1e-3;
 const LARGE: f64 = 0.01;
 
 impl FitVerdict {
-    /// Of a misfit that leaves this part of the curve's variance unexplained.
+    /// The verdict for this unexplained part of the curve's variance.
     pub(super) fn of(unexplained: f64) -> Self {
         match unexplained {
             ..SMALL => Self::Fits,
@@ -147,22 +154,22 @@ impl Verdict {
     }
 }
 
-/// A curve and what the fitted cell makes of it.
+/// A measured curve and the fitted one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FittedCurve {
     /// What it is called.
     pub name: String,
-    /// What its values say.
+    /// The quantity that its values measure.
     pub scale: Scale,
     /// Their unit.
     pub unit: String,
     /// Times of the frames with a value, ms.
     pub times_ms: Vec<f64>,
-    /// What was measured.
+    /// Measured values.
     pub measured: Vec<f64>,
-    /// What the fitted cell does.
+    /// Fitted values.
     pub fitted: Vec<f64>,
-    /// Whether each frame counted; the others are single bad frames.
+    /// Whether each frame was used; the others are single bad frames.
     pub used: Vec<bool>,
     /// Stretches that were left out, such as artefacts: their first and last frame, ms.
     pub left_out_ms: Vec<[f64; 2]>,
@@ -174,15 +181,16 @@ pub struct FittedCurve {
     pub residual: f64,
     /// Root mean square of the structure in the residuals, in the curve's unit: 0 where they look like noise.
     pub misfit: f64,
-    /// Frames that count as one, since their misfit is the same: 1 where the residuals look like noise.
+    /// Frames that count as one, since their residuals are correlated: 1 where these look like
+    /// noise.
     pub frames_together: f64,
     /// Part of the curve's variance that this structure leaves unexplained.
     pub unexplained: f64,
 }
 
 impl Estimate {
-    /// Whether the likelihood is near enough to a parabola that the standard deviation says what the interval says: its
-    /// ends lie within a factor of 2 of where that would put them.
+    /// Whether the likelihood is close enough to a parabola that standard deviation and interval
+    /// agree: the ends of the interval lie within a factor of 2 of those of a parabola.
     pub fn is_parabolic(&self) -> bool {
         let Some(deviation) = self.standard_deviation else { return false };
         let near =
@@ -200,7 +208,8 @@ impl Fit {
         self.estimates.iter().find(|estimate| estimate.name == name)
     }
 
-    /// The verdict of the worst curve; of a model that does not fit no number says how sure it is.
+    /// Sets the verdict to that of the worst curve; if the model does not fit, removes intervals
+    /// and correlations.
     pub(super) fn judge(&mut self) {
         self.verdict =
             self.curves.iter().map(FittedCurve::verdict).max().unwrap_or(FitVerdict::Fits);
@@ -227,7 +236,7 @@ impl Fit {
 }
 
 impl FittedCurve {
-    /// Whether the cell follows this curve.
+    /// Whether the model fits this curve.
     pub fn verdict(&self) -> FitVerdict {
         FitVerdict::of(self.unexplained)
     }

@@ -3,7 +3,7 @@
 use crate::analysis::kind::Kind;
 use crate::measured::{Curve, listed};
 
-/// Kinds that are fitted, the one that says most of a cell first.
+/// Kinds that are fitted, the most informative first.
 const KINDS: [Kind; 6] = [
     Kind::NormalisedLength,
     Kind::Length,
@@ -13,10 +13,11 @@ const KINDS: [Kind; 6] = [
     Kind::Unknown,
 ];
 
-/// One curve of each cell, and which were taken.
+/// One curve for each cell, and a note on which were chosen.
 ///
-/// Curves of one kind are several cells; of several kinds, or the two principal stretches of one deformation, they are of
-/// the same cell: the stretch along its contraction is taken, or else its length, sarcomere length, shortening, or motion.
+/// Curves of one kind are several cells; of several kinds, or the two principal stretches of one
+/// deformation, they are of the same cell. Then the stretch along its contraction is chosen, or
+/// else its length, sarcomere length, shortening, or motion.
 ///
 /// # Example
 /// ```

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// How a cell on its mesh shortens after stimuli.
 pub(super) enum Contraction {
-    /// Its tension follows its potential and feels nothing.
+    /// Its tension follows its potential and does not depend on stretch.
     FollowsPotential {
         potential: Potential,
         rates: Rates,
@@ -22,13 +22,13 @@ pub(super) enum Contraction {
         tables: Arc<Tables>,
         peak: f64,
     },
-    /// Anything else.
+    /// Any other cell model.
     StretchDependent(Box<StretchDependent>),
 }
 
 impl Contraction {
-    /// Of a train of so many beats, on the mesh of a simulation; `names` are the parameters that are free, and curves
-    /// go up to about that shortening.
+    /// For a train of `beats` beats, on the mesh of a simulation. `names` are the fitted
+    /// parameters; curves reach about this shortening.
     pub(super) fn new(
         simulation: &Simulation,
         unknowns: &[Unknown],
@@ -61,7 +61,8 @@ impl Contraction {
         Ok(Self::StretchDependent(Box::new(cell)))
     }
 
-    /// Shortening, a part of the resting length, at ascending times; `None` where these numbers make no beat.
+    /// Shortening, a part of the resting length, at ascending times; `None` if the cell does not
+    /// beat with these numbers.
     pub(super) fn shortening(
         &self,
         physics: &Physics<'_>,
@@ -113,12 +114,12 @@ impl Contraction {
         }
     }
 
-    /// Whether a curve takes longer than all else of a fit.
+    /// Whether computing curves takes most of the time of a fit.
     pub(super) fn is_slow(&self) -> bool {
         matches!(self, Self::StretchDependent(cell) if cell.is_slow())
     }
 
-    /// The tension over the run's own, such that the largest shortening is about this.
+    /// The factor on the run's tension at which the largest shortening is about this.
     pub(super) fn tension_for(
         &self,
         shortening: f64,
@@ -131,7 +132,7 @@ impl Contraction {
             Some(curve.into_iter().fold(0.0, f64::max))
         };
         let mut tension = 1.0;
-        // The answer to a tension is nearly a straight line.
+        // Shortening is nearly proportional to tension.
         for _ in 0..8 {
             let found = peak(tension)?;
             if found.is_nan() || found <= 0.0 {

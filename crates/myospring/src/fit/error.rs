@@ -18,7 +18,7 @@ pub enum FitError {
         /// How many.
         frames: usize,
     },
-    /// Nothing to fit.
+    /// A curve without a beat.
     #[error(
         "`{name}` shows no beat; look at it with `myospring analyse`, or give the times of the stimuli"
     )]
@@ -45,13 +45,13 @@ pub enum FitError {
         #[source]
         cause: CurveError,
     },
-    /// The support lets nothing be seen.
+    /// A support that prevents shortening.
     #[error(
         "the ends of this cell are held, so it does not shorten, and a length cannot be fitted. Choose a support \
         that lets it shorten, such as free ends"
     )]
     DoesNotShorten,
-    /// An unknown that is none.
+    /// An unknown that cannot be fitted.
     #[error("`{name}` cannot be fitted: {why}. What can be fitted: {known}")]
     Unknown {
         /// As it was written.
@@ -61,15 +61,15 @@ pub enum FitError {
         /// Those that can.
         known: String,
     },
-    /// A name to fix or to bound that is not sought.
+    /// A name to fix or to bound that is not fitted.
     #[error("`{name}` is not fitted; fitted are {sought}")]
-    NotSought {
+    NotFitted {
         /// The name.
         name: String,
         /// Those that are.
         sought: String,
     },
-    /// Myofilaments whose numbers make up for each other.
+    /// Parameters of the myofilaments that offset each other.
     #[error(
         "{names} cannot be fitted together: a curve determines at most two of them, since the third can offset the \
         others (correlation 1.00). Fix one of them; where calcium was not calibrated, fix Ca50_ref"
@@ -78,7 +78,7 @@ pub enum FitError {
         /// Which.
         names: String,
     },
-    /// Bounds that are none.
+    /// Invalid bounds.
     #[error(
         "the bounds of `{name}` are {low} to {high}; they must be above 0, in ascending order, and within what the \
         model allows, {least} to {most}"
@@ -95,7 +95,7 @@ pub enum FitError {
         /// The most that there is.
         most: f64,
     },
-    /// A setting of the run that a fit has no use for.
+    /// A setting of the run that a fit cannot use.
     #[error("{what}: {why}")]
     Setting {
         /// Which.
@@ -103,7 +103,7 @@ pub enum FitError {
         /// Why not.
         why: &'static str,
     },
-    /// No start led anywhere.
+    /// No start gave a curve.
     #[error("none of {starts} starts gave a curve: {why}")]
     Nowhere {
         /// How many there were.
@@ -111,10 +111,10 @@ pub enum FitError {
         /// Of the last one.
         why: String,
     },
-    /// The shape is none.
+    /// A shape that cannot be meshed.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// The shape is no simulation.
+    /// A run that gives no simulation.
     #[error(transparent)]
     Make(#[from] MakeError),
     /// The mesh has no equilibria.

@@ -27,28 +27,30 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Starts lie within this factor of the run's parameters, either way.
 const START: f64 = 1.8;
-/// A frame that is off by so many times the noise, while its neighbours are not, is bad.
+/// A frame is bad if its residual is this many times the noise while those of its neighbours are
+/// not.
 const BAD: f64 = 6.0;
-/// Largest correlation that goes without a word.
+/// Largest correlation without a verdict.
 const TOLD_APART: f64 = 0.95;
-/// A cell is solved for somewhat more than the shortening that is seen.
+/// Equilibria are solved up to this multiple of the measured shortening.
 const MARGIN: f64 = 2.0;
-/// Beats of a train before those that were recorded, where it goes on: by then it is steady.
+/// Beats before the recorded ones in a train that began earlier: enough for it to be steady.
 const BEFORE: usize = 10;
-/// A profile that goes so far below the answer shows a better one, of which this many are followed.
+/// A profile that is this far below the answer has found a better one; this many better ones are
+/// followed.
 const BETTER: f64 = -0.05;
 const ANSWERS: usize = 3;
 
-/// A curve of the same cell that was held otherwise.
+/// A curve of the same cell under another support.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loaded {
-    /// What held it.
+    /// The support.
     pub support: SupportKind,
-    /// What was measured.
+    /// The measured curve.
     pub observed: Observed,
 }
 
-/// What a search came to.
+/// The result of a search.
 struct Found {
     layout: Layout,
     /// Where each start ended, the best first.
@@ -63,20 +65,21 @@ pub struct Fitter {
 }
 
 impl Fitter {
-    /// Of a run: its cell model, its shape, its material and its support are those of the cell unless they are sought.
+    /// A fitter for the cell of a run: its cell model, shape, material and support, except for the
+    /// numbers that are fitted.
     ///
     /// # Errors
-    /// A shape that cannot be made; a run that is none for a fit.
+    /// A shape that cannot be made; a run that cannot be fitted.
     pub fn of(run: &Run, read: impl Fn(&str) -> io::Result<Vec<u8>>) -> Result<Self, FitError> {
         let bytes = run.shape.bytes(&read)?;
         let shaped = run.shape.mesh(&bytes)?;
         Self::new(run.make(shaped, read)?.simulation)
     }
 
-    /// Of a simulation; its duration and stimuli do not matter.
+    /// A fitter for the cell of a simulation; its duration and stimuli do not matter.
     ///
     /// # Errors
-    /// A simulation that is none for a fit.
+    /// A simulation that cannot be fitted.
     pub fn new(simulation: Simulation) -> Result<Self, FitError> {
         if simulation.tension_scale == TensionScale::OwnPeak {
             return Err(FitError::Setting {
@@ -102,12 +105,13 @@ impl Fitter {
         Ok(Self { simulation, shelf: Arc::default() })
     }
 
-    /// The run's peak tension over its Young's modulus; of a tension in kPa the model's greatest tension over it.
+    /// The run's peak tension over its Young's modulus; for a tension in kPa the model's greatest
+    /// tension over it.
     pub fn tension_over_stiffness(&self) -> f64 {
         self.tension() / self.modulus()
     }
 
-    /// Peak tension of a tension that is given, or the model's greatest tension, kPa.
+    /// The peak tension of the setting, or the model's greatest tension, kPa.
     pub(super) fn tension(&self) -> f64 {
         let cell = &self.simulation.cell;
         match cell.tension_kind() {
@@ -120,7 +124,7 @@ impl Fitter {
         }
     }
 
-    /// Young's modulus, kPa; of a lattice of given springs that of the sheet that they make.
+    /// Young's modulus, kPa; for given springs that of the sheet that they form.
     pub(super) fn modulus(&self) -> f64 {
         match self.simulation.material.stiffness {
             Stiffness::YoungModulus(modulus) => modulus,
@@ -128,7 +132,7 @@ impl Fitter {
         }
     }
 
-    /// The same, whose work may be asked to end early.
+    /// The same fitter, which ends early on this interruption.
     #[must_use]
     pub fn interrupted_by(&self, interruption: Interruption) -> Self {
         let simulation = Simulation { interruption, ..self.simulation.clone() };
@@ -144,7 +148,7 @@ impl Fitter {
     /// run's, by factors.
     ///
     /// # Errors
-    /// A name that is none, or numbers that make no beat.
+    /// An unknown name, or numbers with which the cell does not beat.
     pub fn curve(
         &self,
         factors: &[(&str, f64)],
@@ -191,11 +195,13 @@ impl Fitter {
         }
     }
 
-    /// Fits the cell to curves of it, all held as the run says. `goes_on` hears how much of the work is done, from 0 to
-    /// 1, and ends it by `false`: then there is no answer, as where the simulation's own interruption ends it.
+    /// Fits the cell to curves, all with the support of the run. `goes_on` is called with the part
+    /// of the work that is done, from 0 to 1, and ends the fit by returning `false`. Then the
+    /// result is `None`, as when the simulation's own interruption ends it.
     ///
     /// # Errors
-    /// Curves without a beat, unknowns that are none, or a cell that no start makes beat.
+    ///
+    /// Curves without a beat, invalid unknowns, or a cell that beats from no start.
     pub fn fit(
         &self,
         curves: &[Observed],
@@ -208,7 +214,7 @@ impl Fitter {
         self.fit_loaded(&curves, settings, goes_on)
     }
 
-    /// As [`Fitter::fit`], for curves of one cell that something else held each time.
+    /// As [`Fitter::fit`], for curves of one cell under different supports.
     ///
     /// # Errors
     /// Those of [`Fitter::fit`].
@@ -219,8 +225,8 @@ impl Fitter {
         goes_on: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<Option<Fit>, FitError> {
         let found = self.fit_unless_interrupted(curves, settings, goes_on);
-        // Whatever else it says then comes of that.
-        if self.simulation.interruption.is_asked() { Ok(None) } else { found }
+        // Any other error is a consequence of the interruption.
+        if self.simulation.interruption.is_requested() { Ok(None) } else { found }
     }
 
     fn fit_unless_interrupted(
@@ -233,7 +239,7 @@ impl Fitter {
         let sought =
             settings.sought(&*self.simulation.cell, |unknown| self.usual(unknown), arbitrary)?;
         let unknowns: Vec<Unknown> = sought.iter().map(|(unknown, ..)| unknown.clone()).collect();
-        // A train may begin from rest or go on: nobody says so, and the curve knows.
+        // A train may begin from rest or have begun earlier; only the curve shows which.
         let trains = curves.iter().any(|curve| curve.observed.stimuli.times().len() > 1);
         let paced = if trains { &[BEFORE, 0][..] } else { &[0] };
         let work = Work::new(goes_on, &self.simulation.interruption);
@@ -243,7 +249,7 @@ impl Fitter {
                 .iter()
                 .map(|curve| self.source(curve, &unknowns, before))
                 .collect::<Result<Vec<_>, _>>()?;
-            // A slow cell begins as it is.
+            // For a slow cell model only a start from rest is computed.
             if before > 0 && sources.iter().all(|source| source.contraction.is_slow()) {
                 continue;
             }
@@ -295,7 +301,8 @@ impl Fitter {
         Ok(Source { observed, frames, contraction, used, cycle })
     }
 
-    /// How each start ended, the best first: one at least; `part` of all is done after that part of the search.
+    /// The end of each start, the best first, at least one; `part` is the part of all work that is
+    /// then done.
     fn search(
         layout: &Layout,
         settings: &FitSettings,
@@ -455,7 +462,7 @@ fn minimise(layout: &Layout, start: &[f64], work: &Work<'_>) -> Option<Least> {
 }
 
 impl Layout {
-    /// Whether its profile is followed: delays of single beats are nobody's question.
+    /// Whether its profile is computed; delays of single beats are fitted but not reported.
     pub(super) fn is_shown(&self, place: usize) -> bool {
         !matches!(self.roles[place], Role::Delay { beat: Some(_), .. } | Role::Drift { .. })
     }
@@ -487,7 +494,8 @@ impl Layout {
         }
     }
 
-    /// Frames that stand alone: far from the fitted curve while their neighbours are not. Whether there are any.
+    /// Leaves out single bad frames, those far from the fitted curve whose neighbours are not;
+    /// returns whether there are any.
     fn leave_out_bad_frames(&mut self, least: &Least) -> bool {
         let mut any = false;
         for number in 0..self.sources.len() {
@@ -515,7 +523,8 @@ impl Layout {
         any
     }
 
-    /// Frames that count as one, over all curves, each by its part of the sum of squares.
+    /// Frames that count as one: the mean over all curves, weighted by their parts of the sum of
+    /// squares.
     pub(super) fn frames_together(&self, least: &Least) -> Option<f64> {
         let (mut sum, mut over_long) = (0.0, 0.0);
         for number in 0..self.sources.len() {

@@ -13,10 +13,12 @@ const BESIDES: usize = 10;
 const OF_PROFILE: usize = 55;
 
 impl Fitter {
-    /// About how long a fit will take on one thread, of a cell whose curves take longer than all else: one is made and
-    /// timed. `None` of other cells, whose fits take seconds.
+    /// The approximate time of a fit on one thread, for a cell model whose curves take most of the
+    /// time: one curve is computed and timed. `None` for other cell models, whose fits take
+    /// seconds.
     ///
     /// # Errors
+    ///
     /// As [`Fitter::fit_loaded`].
     pub fn will_take(
         &self,
@@ -39,7 +41,7 @@ impl Fitter {
         for (number, source) in layout.sources.iter().enumerate() {
             layout.shortening(&at, number, &source.frames.times);
         }
-        // Of those that are held, delays and levels, no curve is made anew.
+        // Delays and levels need no new curve.
         let of_cell = layout.roles.iter().filter(|role| matches!(role, Role::Physics(_))).count();
         let shown = (0..layout.roles.len()).filter(|&place| layout.is_shown(place)).count();
         let a_step = of_cell + 1;

@@ -6,15 +6,16 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 const STEPS: usize = 60;
 /// First damping, relative to the diagonal.
 const DAMPING: f64 = 1e-3;
-/// What damping is raised by after a step that led nowhere; twice that after another (`nielsen_1999`).
+/// Factor on the damping after a step that did not lower the sum; doubled after each further one
+/// (`nielsen_1999`).
 const RAISED: f64 = 4.0;
 /// Damping at which no direction lowers the sum any more.
 const STUCK: f64 = 1e10;
 
-/// Numbers as a function of the unknowns; `None` where there are none to be had.
+/// Numbers as a function of the unknowns; `None` where it is not defined.
 type Function<'a> = &'a (dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync);
 
-/// Derivatives of residuals, a column an unknown, with nothing in those of what is held.
+/// Derivatives of residuals, a column for each unknown, empty for fixed ones.
 type Slopes<'a> = &'a (dyn Fn(&[f64], &[bool]) -> Option<Vec<Column>> + Sync);
 
 /// Residuals as a function of a few unknowns, each within bounds.
@@ -24,7 +25,7 @@ pub(super) struct Problem<'a> {
     pub(super) slopes: Option<Slopes<'a>>,
     /// Smallest and largest value of each.
     pub(super) bounds: &'a [[f64; 2]],
-    /// By how much each is moved either way for a difference.
+    /// Step of each for a central difference.
     pub(super) steps: &'a [f64],
     /// It has converged when a step lowers the sum by less than this part of it.
     pub(super) enough: f64,
@@ -39,11 +40,12 @@ struct Taken {
     sum: f64,
 }
 
-/// What residuals that bend add to `J^T J`, learnt from step to step (`dennis_1981`): a curve that nothing follows
-/// leaves residuals that are large, and without their bend each step would take but a part of the way.
+/// The second-order part of the Hessian that the residuals add to `J^T J`, estimated from step to
+/// step (`dennis_1981`). Where a curve cannot be fitted, residuals are large, and without this part
+/// each step would be too short.
 struct Bend {
     matrix: Vec<Vec<f64>>,
-    /// Whether it foretold the last step better than `J^T J` alone.
+    /// Whether it predicted the last step better than `J^T J` alone.
     helps: bool,
 }
 
@@ -56,14 +58,15 @@ impl Bend {
         self.matrix.iter().map(|row| dot(row, step)).collect()
     }
 
-    /// After a step, from the gradient, the residuals and their sum where it led to.
+    /// Updates the estimate after a step, from the gradient, the residuals and their sum at its
+    /// end.
     fn learn(&mut self, taken: &Taken, gradient: &[f64], residuals: &[f64], sum: f64) {
         let Taken { step, columns, straight, gradient: before, sum: was } = taken;
         let bent = dot(step, &self.times(step));
         let along: f64 = straight.iter().zip(step).map(|(row, by)| by * dot(row, step)).sum();
         let foretold = was + 2.0 * dot(before, step) + along;
         self.helps = (sum - foretold - bent).abs() < (sum - foretold).abs();
-        // By how much the gradient changed, and what of that is the bend's.
+        // The change of the gradient, and the part of it that this matrix explains.
         let change: Vec<f64> = gradient.iter().zip(before).map(|(now, was)| now - was).collect();
         let own: Vec<f64> =
             columns.iter().zip(gradient).map(|(old, now)| now - old.along(residuals)).collect();
@@ -90,21 +93,21 @@ impl Bend {
     }
 }
 
-/// Where the sum of squares is least.
+/// A minimum of the sum of squares.
 #[derive(Debug, Clone)]
 pub(super) struct Least {
     pub(super) at: Vec<f64>,
-    /// Half a sum of squares is not meant: the sum itself.
+    /// The cost: the sum of squared residuals, without the factor 1/2.
     pub(super) sum: f64,
     pub(super) residuals: Vec<f64>,
 }
 
-/// Derivatives of all residuals by one unknown, which may move a few of them alone.
+/// Derivatives of all residuals by one unknown, which may affect only a few of them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Column {
-    /// The first residual that it moves.
+    /// The first residual that it affects.
     pub(super) first: usize,
-    /// From there on; those after them are 0.
+    /// Derivatives from there on; those after them are 0.
     pub(super) values: Vec<f64>,
 }
 
@@ -126,7 +129,7 @@ impl Column {
 }
 
 impl Problem<'_> {
-    /// The least sum near a start; what `held` says stays where it is.
+    /// The minimum near a start; unknowns marked in `held` are fixed.
     pub(super) fn minimise(&self, start: &[f64], held: &[bool]) -> Option<Least> {
         let mut at: Vec<f64> =
             start.iter().zip(self.bounds).map(|(x, [low, high])| x.clamp(*low, *high)).collect();
@@ -142,7 +145,7 @@ impl Problem<'_> {
                 bend.learn(&taken, &gradient, &residuals, sum);
             }
             let normal = bend.added_to(&straight);
-            // What would leave its bounds stays on them.
+            // An unknown that would leave its bounds stays on them.
             let free: Vec<usize> = (0..at.len())
                 .filter(|&k| {
                     let [low, high] = self.bounds[k];
@@ -164,8 +167,8 @@ impl Problem<'_> {
                 });
                 let right: Vec<f64> = free.iter().map(|&k| -gradient[k]).collect();
                 let step = solve(&matrix.collect::<Vec<_>>(), &right);
-                // After a step that led nowhere, one that promises as little as that is not worth a look, and shorter
-                // ones promise less.
+                // After a step that did not lower the sum, a step that promises as little is not
+                // tried, and shorter ones promise less.
                 let promised = |step: &Vec<f64>| {
                     let all = || free.iter().zip(step);
                     let along = |j: usize| all().map(|(&k, by)| normal[j][k] * by).sum::<f64>();
@@ -209,7 +212,7 @@ impl Problem<'_> {
         Some(Least { at, sum, residuals })
     }
 
-    /// Derivatives of the residuals, a column an unknown; nothing for what is held.
+    /// Derivatives of the residuals, a column for each unknown, empty for fixed ones.
     pub(super) fn jacobian(&self, at: &[f64], held: &[bool]) -> Option<Vec<Column>> {
         if let Some(slopes) = self.slopes {
             return slopes(at, held);
@@ -225,7 +228,7 @@ impl Problem<'_> {
     }
 }
 
-/// The derivative of numbers by one unknown: a central difference, as far as its bounds let it be one.
+/// The derivative of numbers by one unknown: a central difference, one-sided at a bound.
 pub(super) fn difference(
     of: impl Fn(&[f64]) -> Option<Vec<f64>>,
     at: &[f64],
@@ -268,7 +271,8 @@ pub(super) fn normal(columns: &[Column], residuals: &[f64]) -> (Vec<Vec<f64>>, V
     (matrix, columns.iter().map(|column| column.along(residuals)).collect())
 }
 
-/// The solution of a symmetric, positive definite system, scaled to a diagonal of ones; `None` if it is none.
+/// The solution of a symmetric, positive definite system, scaled to a diagonal of ones; `None` if
+/// it is not positive definite.
 pub(super) fn solve(matrix: &[Vec<f64>], right: &[f64]) -> Option<Vec<f64>> {
     let (factor, scale) = factorised(matrix)?;
     let scaled = right.iter().zip(scale.iter()).map(|(value, scale)| value / scale);
@@ -292,7 +296,7 @@ fn factorised(matrix: &[Vec<f64>]) -> Option<(Cholesky<f64, Dyn>, DVector<f64>)>
     let scaled =
         DMatrix::from_fn(matrix.len(), matrix.len(), |j, k| matrix[j][k] / (scale[j] * scale[k]));
     let factor = Cholesky::new(scaled)?;
-    // Less is rounding: two unknowns that cannot be told apart.
+    // Less is rounding: two unknowns that cannot be distinguished.
     let least = factor.l_dirty().diagonal().min();
     (least * least >= 1e-13).then_some((factor, scale))
 }

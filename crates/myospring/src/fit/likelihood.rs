@@ -1,4 +1,4 @@
-//! How sure a fit is: profiles of the likelihood, and the covariance at its top.
+//! Profiles of the likelihood, and the covariance at its maximum.
 
 use super::answer::Verdict;
 use super::least_squares::{Least, Problem, inverse, normal};
@@ -6,25 +6,26 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Rise of chi squared at the ends of a 95 % interval of one parameter where the noise is known.
 pub(super) const OF_95_PERCENT: f64 = 3.841_458_820_694_124;
-/// Rise that a profile is drawn up to, over that at the ends of the interval.
+/// The largest rise that is drawn, relative to that at the ends of the interval.
 const DRAWN: f64 = 2.0;
 /// Points of a profile on either side.
 const POINTS: usize = 6;
-/// Times that the way to an end may double, refinements of that end, and ends that are found further out.
+/// Largest number of doublings of the search for an end, of refinements of that end, and of ends
+/// found further out.
 const DOUBLINGS: usize = 24;
 const REFINEMENTS: usize = 12;
 const ROUNDS: usize = 3;
-/// An end is found when the rise is so close to what it must be.
+/// Tolerance of the rise at an end.
 const CLOSE: f64 = 0.01;
 /// On a bound, over the distance between the bounds.
 const ON_BOUND: f64 = 1e-6;
 
-/// The top of the likelihood.
+/// The maximum of the likelihood.
 pub(super) struct Top<'a> {
     pub(super) least: &'a Least,
-    /// Other places where no small step leads higher.
+    /// Other local maxima.
     pub(super) others: &'a [Least],
-    /// What the sum of squares rises by for one standard deviation: the variance of a residual.
+    /// Rise of the sum of squares at one standard deviation: the variance of a residual.
     pub(super) unit: f64,
     /// Rise at the ends of an interval.
     pub(super) at_ends: f64,
@@ -37,7 +38,7 @@ pub(super) struct Profile {
     /// Value and rise.
     pub(super) points: Vec<[f64; 2]>,
     pub(super) verdict: Verdict,
-    /// The lowest point and its rise, which is below 0 where the top was none.
+    /// The lowest point and its rise, which is below 0 if it is better than the answer.
     pub(super) lowest: (f64, Vec<f64>),
 }
 
@@ -48,8 +49,9 @@ pub(super) fn covariance(problem: &Problem<'_>, least: &Least) -> Option<Vec<Vec
     inverse(&normal(&columns, &least.residuals).0)
 }
 
-/// Rise of chi squared at the ends of a 95 % interval, over the variance of a residual that so many of them tell: the
-/// square of Student's quantile, 3.84 for many.
+/// Rise of chi squared at the ends of a 95 % interval, in units of the variance of a residual,
+/// which was estimated with so many degrees of freedom: the square of Student's quantile, 3.84 for
+/// many.
 pub(super) fn rise_at_ends(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom)
         .map_or(OF_95_PERCENT, |student| student.inverse_cdf(0.975).powi(2))
@@ -63,7 +65,7 @@ struct Point {
     at: Vec<f64>,
 }
 
-/// The likelihood of one unknown away from its top, all others as likely as they can be.
+/// The profile of one unknown in one direction: all others are fitted again at each value.
 struct Way<'a> {
     problem: &'a Problem<'a>,
     top: &'a Top<'a>,
@@ -73,7 +75,7 @@ struct Way<'a> {
     bound: f64,
 }
 
-/// Follows the likelihood of one unknown; `guess` is about two standard deviations.
+/// The profile of one unknown; `guess` is about two standard deviations.
 pub(super) fn profile(problem: &Problem<'_>, top: &Top<'_>, place: usize, guess: f64) -> Profile {
     let [low, high] = problem.bounds[place];
     let peak = top.least.at[place];
@@ -120,7 +122,7 @@ impl Way<'_> {
         self.order(&mut points);
         let mut end = None;
         for round in 0..ROUNDS {
-            // The outermost point that is likely enough: a profile may come back from above.
+            // The outermost point within the interval: a profile may fall again after it rose.
             let Some(near) = points.iter().rposition(|point| point.rise < at_ends) else { break };
             if near + 1 == points.len() && !self.go_out(&mut points, guess, range) {
                 end = None;
@@ -151,7 +153,7 @@ impl Way<'_> {
         points.sort_by(|a, b| (self.sign * a.value).total_cmp(&(self.sign * b.value)));
     }
 
-    /// All others at their most likely for a value, from some of what is known nearby.
+    /// Fits all other unknowns at a value, starting from a nearby point.
     fn at(&self, value: f64, near: &[f64]) -> Option<Point> {
         let Top { least, others, .. } = *self.top;
         let distance = |other: &&Least| (other.at[self.place] - value).abs();
@@ -169,7 +171,8 @@ impl Way<'_> {
         Some(Point { value, rise: self.rise(&least), at: least.at })
     }
 
-    /// Outwards in doubling steps until it is not likely any more; `false` where the bound comes first.
+    /// Moves outwards in doubling steps until the rise is too large; `false` if the bound comes
+    /// first.
     fn go_out(&self, points: &mut Vec<Point>, guess: f64, range: f64) -> bool {
         let top = self.top.least.at[self.place];
         let last = points.last().map_or(top, |point| point.value);
@@ -196,7 +199,7 @@ impl Way<'_> {
         false
     }
 
-    /// The end between the outermost point that is likely enough and the next.
+    /// The end between the outermost point within the interval and the next.
     fn refine(&self, points: &mut Vec<Point>) -> f64 {
         let at_ends = self.top.at_ends;
         let is_near = |point: &Point| point.rise < at_ends;
@@ -207,7 +210,7 @@ impl Way<'_> {
             if [&near, &far].iter().any(|point| (point.rise - at_ends).abs() < CLOSE) {
                 break;
             }
-            // The square root of the rise is nearly a straight line.
+            // The square root of the rise is nearly linear.
             let [from, to] = [near.rise.max(0.0).sqrt(), far.rise.sqrt()];
             let part = ((at_ends.sqrt() - from) / (to - from)).clamp(0.05, 0.95);
             let value = near.value + part * (far.value - near.value);
@@ -227,7 +230,7 @@ impl Way<'_> {
         }
     }
 
-    /// What a figure shows.
+    /// Adds the points that a figure shows.
     fn draw(&self, points: &mut Vec<Point>, end: f64) {
         let least = self.top.least;
         let top = least.at[self.place];
@@ -244,9 +247,9 @@ impl Way<'_> {
         self.order(points);
     }
 
-    /// Inwards again, each point from the one beyond it: what came out along another branch is found so.
+    /// Fits the points again inwards, each from the one beyond it, which finds other branches.
     fn come_back(&self, points: &mut [Point]) {
-        // One valley with a slope that only rises has no other branch.
+        // A single minimum with a rise that only grows has no other branch.
         if self.top.others.is_empty() && points.is_sorted_by(|a, b| a.rise <= b.rise) {
             return;
         }

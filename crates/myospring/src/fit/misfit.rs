@@ -1,28 +1,30 @@
-//! What the residuals of a fitted curve say: whether they have structure, how large it is, and how much less sure it
-//! makes the numbers.
+//! Structure in the residuals of a fitted curve: whether there is any, how large it is, and by how
+//! much it widens the intervals.
 //!
-//! Two questions, since either alone misleads. *Is there a misfit?* Reduced chi squared condemns a misfit of a thousandth
-//! of a beat in a clean curve and hides one of a tenth in a noisy one; residuals of neighbouring frames that go together
-//! are no noise, however large they are. *Is it large?* It is compared with the curve itself: the part of its variance
-//! that the misfit leaves unexplained, which depends neither on the noise nor on how long the cell rests between beats.
+//! Two questions decide, since either alone misleads. *Is there a misfit?* Reduced chi squared
+//! rejects a misfit of a thousandth of a beat in a clean curve and accepts one of a tenth in a
+//! noisy one. Correlated residuals of neighbouring frames are a misfit, whatever their size. *Is it
+//! large?* It is compared with the curve itself: the part of its variance that the misfit leaves
+//! unexplained, which depends neither on the noise nor on how long the cell rests between beats.
 //!
-//! Residuals are averaged over blocks of 1, 2, 4, ... frames (`flyvbjerg_1989`); those of pure noise stay independent of
-//! each other, those of a misfit do not as long as a block is shorter than it. Residuals of several beats are also added
-//! up at the same time after the stimulus, where a misfit that repeats stands out of noise that does not.
+//! Residuals are averaged over blocks of 1, 2, 4, ... frames (`flyvbjerg_1989`); those of pure
+//! noise stay independent of each other, those of a misfit do not as long as a block is shorter
+//! than it. Residuals of several beats are also added up at the same time after the stimulus, where
+//! a misfit that repeats exceeds the noise.
 //!
-//! Neighbouring residuals that go together count as fewer: their variance over long stretches, rather than that of a
-//! frame, is what the ends of the intervals are made from (see `TAKEN_UP` of the fitter for the rest).
+//! Correlated residuals count as fewer: the intervals use their variance over long stretches, not
+//! that of a single frame (see also `TAKEN_UP`).
 
 use super::problem::Source;
 
-/// Score of a correlation that is no chance: one in a thousand.
+/// Score above which a correlation is not by chance: one in a thousand.
 const NO_CHANCE: f64 = 3.1;
 /// Fewest blocks whose correlation is tested.
 const FEWEST: usize = 12;
 /// Sum of the squares of the coefficients of a fourth difference, 1 -4 6 -4 1.
 const FOURTH_DIFFERENCE: f64 = 70.0;
-/// Standard deviation of the noise's variance by fourth differences of `n` frames, times the square root of `n`, over that
-/// variance; twice of it is no chance.
+/// Standard deviation of the noise's variance by fourth differences of `n` frames, times the square
+/// root of `n`, over that variance; twice this is not by chance.
 const OF_VARIANCE: f64 = 1.8;
 
 /// The structure in the residuals of a curve.
@@ -32,12 +34,12 @@ pub(super) struct Misfit {
     pub(super) size: f64,
     /// Part of the curve's variance that it leaves unexplained.
     pub(super) unexplained: f64,
-    /// Frames that count as one, since their residuals go together: 1 of noise.
+    /// Frames that count as one, since their residuals are correlated: 1 for noise.
     pub(super) together: f64,
 }
 
 impl Misfit {
-    /// Of the curve that is fitted to a source with these stimuli.
+    /// The misfit of a source with these stimuli to its fitted curve.
     pub(super) fn of(source: &Source, stimuli: &[f64], fitted: &[f64]) -> Self {
         let used = || (0..fitted.len()).filter(|&at| source.used[at]);
         let values: Vec<f64> = used().map(|at| source.frames.values[at]).collect();
@@ -63,7 +65,7 @@ impl Misfit {
         let over_long = [along, repeated].into_iter().flatten().map(|found| found.over_long);
         let middle = mean(values.iter().copied());
         let of_curve = mean(values.iter().map(|value| (value - middle).powi(2)));
-        // What is left of the curve without its noise.
+        // The variance of the curve without its noise.
         let of_curve = (of_curve - white).max(variance).max(f64::MIN_POSITIVE);
         Self {
             size: variance.sqrt(),
@@ -114,7 +116,7 @@ fn beat_upon_beat(off: &[f64], times: &[f64], stimuli: &[f64]) -> Folded {
     }
 }
 
-/// What goes together in values that follow each other.
+/// The correlated part of successive values.
 struct Structure {
     /// Its variance.
     variance: f64,
@@ -133,7 +135,7 @@ impl Structure {
             let next = together(&blocks, 1);
             let score = next / own * (blocks.len() as f64).sqrt();
             if score > NO_CHANCE && best.as_ref().is_none_or(|(other, _)| score > *other) {
-                // As far as they go together: until the first lag at which they do not.
+                // Up to the first lag at which they are not correlated.
                 let lags = (1..blocks.len()).map(|lag| together(&blocks, lag));
                 let ahead: f64 = lags.take_while(|value| *value > 0.0).sum();
                 let over_long = length * (own + 2.0 * ahead);
@@ -146,7 +148,7 @@ impl Structure {
     }
 }
 
-/// Mean product of values that are so many places apart, over all.
+/// Mean product of values at this lag.
 fn together(values: &[f64], lag: usize) -> f64 {
     let sum: f64 = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum();
     sum / values.len() as f64

@@ -1,28 +1,29 @@
-//! A curve as a fit sees it: which frames count, how much noise they have, where beats begin.
+//! A curve prepared for a fit: which frames count, their noise, where beats begin.
 
 use super::error::FitError;
 use crate::analysis::curve::{CurveOptions, State, analyse};
 use crate::analysis::kind::Kind;
 use crate::measured::Curve;
 
-/// Frames of rest that a spread wants.
+/// Frames at rest that an estimate of the noise needs.
 const ENOUGH: usize = 12;
-/// A frame rests when it is within this part of the range from the resting level.
+/// A frame is at rest if it is within this part of the range from the resting level.
 const AT_REST: f64 = 0.12;
 /// Standard deviation of a normal distribution over its median absolute value.
 const FROM_MEDIAN: f64 = 1.4826;
 /// Variance of `y_- - 2 y + y_+` over that of the noise.
 const SECOND_DIFFERENCE: f64 = 6.0;
 
-/// What the values of a curve say.
+/// The quantity that a curve measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scale {
-    /// A length, in any unit: of the cell, of a sarcomere, over a length of reference. It goes down in a beat.
+    /// A length, in any unit: of the cell, of a sarcomere, over a length of reference. It falls in
+    /// a beat.
     Length,
     /// Shortening in % of the length at rest.
     Percent,
-    /// Contraction in arbitrary units: its height says nothing.
+    /// Contraction in arbitrary units: its height has no meaning.
     Arbitrary,
 }
 
@@ -31,7 +32,7 @@ pub enum Scale {
 pub enum Stimuli {
     /// At these times, ms; one delay is common to all.
     Given(Vec<f64>),
-    /// About when each beat begins to rise, ms, as seen in the curve; each has a delay of its own.
+    /// The approximate onset of each beat, ms, found in the curve; each has its own delay.
     Seen(Vec<f64>),
 }
 
@@ -52,7 +53,7 @@ pub struct Observed {
     pub times_ms: Vec<f64>,
     /// Its values; NaN where a frame has none.
     pub values: Vec<f64>,
-    /// What they say.
+    /// The quantity.
     pub scale: Scale,
     /// Their unit, for people.
     pub unit: String,
@@ -60,7 +61,7 @@ pub struct Observed {
     pub stimuli: Stimuli,
 }
 
-/// What the frames of a curve say of themselves.
+/// Frames of a curve, their noise and their resting level.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Frames {
     /// Those with a value.
@@ -75,16 +76,17 @@ pub(super) struct Frames {
     pub(super) reach: f64,
 }
 
-/// Stimuli are looked for so long before a curve leaves its rest, ms.
+/// Stimuli are assumed this long before the onset of a beat, ms.
 const BEFORE_RISE: f64 = 20.0;
 
 impl Observed {
-    /// A curve of a file: of lengths, shortening or other motion; without stimuli, given or marked in the file, its beats are
-    /// found. What there is
-    /// of a beat before the first whole one is left out.
+    /// Prepares a curve of a file: of lengths, shortening or another motion. Without stimuli, given
+    /// or marked in the file, its beats are found. A partial beat before the first whole one is
+    /// left out.
     ///
     /// # Errors
-    /// A curve of anything else, or without a beat.
+    ///
+    /// A curve of any other kind, or without a beat.
     pub fn of(curve: &Curve, stimuli_ms: Option<&[f64]>) -> Result<Self, FitError> {
         let name = || curve.name.clone();
         let marked = Some(curve.stimuli_ms.as_slice()).filter(|marked| !marked.is_empty());
@@ -103,18 +105,18 @@ impl Observed {
         let analysis = analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options)
             .map_err(|cause| FitError::Curve { name: name(), cause })?;
         let mut values = curve.values.clone();
-        // What is no beat is no measurement of one.
+        // Artefacts are not fitted.
         for artefact in &analysis.treatment.artefacts {
             let [from, to] = artefact.frames;
             values[from - 1..to].fill(f64::NAN);
         }
-        // An unknown curve that falls in a beat is a contraction upside down.
+        // An unknown curve that falls in a beat is an inverted contraction.
         if scale == Scale::Arbitrary && !analysis.treatment.rises {
             for value in &mut values {
                 *value = -*value;
             }
         }
-        // Of a beat with an artefact or a hole the rest is as good as of any.
+        // The remaining frames of a beat with an artefact or a hole are used.
         let whole = |state: State| !matches!(state, State::CutAtStart | State::Missed);
         let beats: Vec<f64> = analysis
             .beats
@@ -172,7 +174,7 @@ impl Observed {
         if self.stimuli.times().is_empty() {
             return Err(FitError::NoBeat { name: name() });
         }
-        // A length rests at its top, all else at its bottom.
+        // A length is at its maximum at rest, all else at its minimum.
         let sign = if self.scale == Scale::Length { -1.0 } else { 1.0 };
         let mut upwards: Vec<f64> = values.iter().map(|value| sign * value).collect();
         upwards.sort_by(f64::total_cmp);
@@ -197,8 +199,8 @@ impl Observed {
     }
 }
 
-/// Standard deviation of the noise: from what frames at rest differ by from the line through their neighbours; where
-/// hardly any rest, from all.
+/// Standard deviation of the noise, from the differences between frames at rest and the line
+/// through their neighbours; from all frames if too few are at rest.
 fn noise(values: &[f64], rests: &[bool]) -> f64 {
     let bent = |at: usize| (values[at - 1] - 2.0 * values[at] + values[at + 1]).abs();
     let inner = 1..values.len() - 1;

@@ -1,14 +1,14 @@
-//! Several curves and one cell: from a list of unknowns to residuals.
+//! From a vector of unknowns to the residuals of several curves of one cell.
 
 use super::contraction::Contraction;
 use super::observed::{Frames, Observed, Scale, Stimuli};
 use super::unknown::{Physics, Unknown};
 
-/// Delays are sought so far from where the rise puts them, ms.
+/// Bound of the delays around the value from the rise of the beat, ms.
 const DELAY_MS: f64 = 150.0;
-/// Levels are sought so many heights of the beat from where the cell rests.
+/// Bound of the levels around the resting level, in heights of the beat.
 const LEVELS: f64 = 3.0;
-/// Moves for differences: of logarithms, of delays (ms), and of levels over the height of the beat.
+/// Steps for differences: of logarithms, of delays (ms), and of levels over the height of the beat.
 const STEP: f64 = 1e-4;
 const STEP_MS: f64 = 0.02;
 
@@ -19,11 +19,11 @@ pub(super) struct Source {
     pub(super) contraction: Contraction,
     /// Of each frame: whether it counts.
     pub(super) used: Vec<bool>,
-    /// Mean time from stimulus to stimulus, ms; of one beat what is left of the recording.
+    /// Mean time from stimulus to stimulus, ms; for a single beat the rest of the recording.
     pub(super) cycle: f64,
 }
 
-/// What an unknown of the vector is.
+/// The meaning of an unknown of the vector.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Role {
     /// Logarithm of the factor on the run's value.
@@ -38,13 +38,13 @@ pub(super) enum Role {
     Gain { source: usize },
 }
 
-/// All that is sought, and how residuals come of it.
+/// All unknowns, and how residuals follow from them.
 pub(super) struct Layout {
     pub(super) sources: Vec<Source>,
     pub(super) roles: Vec<Role>,
     pub(super) bounds: Vec<[f64; 2]>,
     pub(super) steps: Vec<f64>,
-    /// The run's value of every parameter that is free, in the order of the roles.
+    /// The run's value of every fitted parameter, in the order of the roles.
     pub(super) usual: Vec<f64>,
 }
 
@@ -92,7 +92,7 @@ impl Layout {
         self.steps.push(step);
     }
 
-    /// Factors of the physics, and the values of the free parameters.
+    /// Factors of the physics, and the values of the fitted parameters.
     pub(super) fn physics<'a>(&self, at: &[f64], parameters: &'a mut Vec<f64>) -> Physics<'a> {
         let mut physics = [1.0; 2];
         parameters.clear();
@@ -133,14 +133,14 @@ impl Layout {
         let mut parameters = Vec::new();
         let physics = self.physics(at, &mut parameters);
         let stimuli = self.stimuli(at, number);
-        // Beats that change places are no beats.
+        // Delays must keep the order of the beats.
         if stimuli.windows(2).any(|pair| pair[1] <= pair[0]) {
             return None;
         }
         self.sources[number].contraction.shortening(&physics, &stimuli, times)
     }
 
-    /// A curve as it would be measured, without noise.
+    /// The model's curve in the units of the measured one.
     pub(super) fn curve(&self, at: &[f64], number: usize, times: &[f64]) -> Option<Vec<f64>> {
         let mut curve = self.shortening(at, number, times)?;
         let [level, gain, drift] = self.scale(at, number);
@@ -171,7 +171,7 @@ impl Layout {
         times.iter().map(|time| (time - first) / (last - first) - 0.5).collect()
     }
 
-    /// What is left of every frame that counts, over its noise.
+    /// Residuals of all frames that count, over their noise.
     pub(super) fn residuals(&self, at: &[f64]) -> Option<Vec<f64>> {
         let mut all = Vec::new();
         for number in 0..self.sources.len() {
@@ -183,8 +183,8 @@ impl Layout {
         all.iter().all(|value| value.is_finite()).then_some(all)
     }
 
-    /// Where to begin: parameters by these factors, the tension such that beats have the measured height, delays such
-    /// that they rise when the measured ones do.
+    /// A starting point: parameters with these factors, a tension at which beats have the measured
+    /// height, and delays at which they rise when the measured ones do.
     pub(super) fn start(&self, factors: &[f64]) -> Option<Vec<f64>> {
         let mut at: Vec<f64> = self.roles.iter().map(|_| 0.0).collect();
         let mut factors = factors.iter();
@@ -240,13 +240,13 @@ impl Layout {
 }
 
 impl Source {
-    /// The largest shortening that is seen, a part of the resting length; `None` in arbitrary units.
+    /// The largest measured shortening, a part of the resting length; `None` in arbitrary units.
     pub(super) fn shortening(&self) -> Option<f64> {
         let Frames { rest, reach, .. } = self.frames;
         shortening(self.observed.scale, rest, reach)
     }
 
-    /// When each beat is half risen, ms, where that is seen.
+    /// When each beat has risen by half, ms, if the curve shows it.
     fn risen(&self) -> Vec<Option<f64>> {
         let Frames { times, values, rest, reach, .. } = &self.frames;
         let half = |value: f64| (value - rest) / reach - 0.5;

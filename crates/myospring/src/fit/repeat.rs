@@ -1,4 +1,4 @@
-//! The run that a fit is of.
+//! The run that repeats a fit.
 
 use super::answer::Fit;
 use super::error::FitError;
@@ -16,8 +16,8 @@ use crate::settings::Run;
 use std::sync::Arc;
 
 impl Fitter {
-    /// The run with what was found, beaten as often as in the first curve, from its own first stimulus on: `myospring
-    /// run` repeats the fitted curve.
+    /// The run with the fitted numbers and as many beats as the first curve, from its first
+    /// stimulus on; `myospring run` repeats the fitted curve.
     ///
     /// # Errors
     /// Numbers that the model does not take.
@@ -45,7 +45,8 @@ impl Fitter {
         let cell = &self.simulation().cell;
         if let TensionKind::Relative { published_peak } = cell.tension_kind() {
             run.cell = cell.with_parameters(parameters)?;
-            // What was fitted is the peak of this cell; a run's is that of the published parameters.
+            // The fitted peak is that of this cell; the setting is that of the published
+            // parameters.
             let of_tension = fit.estimates.iter().all(|estimate| match &estimate.unknown {
                 Some(Unknown::Parameter(name)) => Rates::NAMES.contains(&name.as_str()),
                 _ => true,
@@ -79,10 +80,10 @@ impl Fitter {
     }
 }
 
-/// Cycle lengths are written to this part of a ms.
+/// Cycle lengths are rounded to this part of a ms.
 const WRITTEN: f64 = 1e6;
 
-/// The largest `Ta` of the beats that were fitted.
+/// The largest `Ta` of the fitted beats.
 fn own_peak(
     cell: &Arc<dyn CellModel>,
     law: &Tension,

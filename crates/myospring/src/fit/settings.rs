@@ -1,38 +1,38 @@
-//! What is sought, and where.
+//! What is fitted, and within which bounds.
 
 use super::error::FitError;
 use super::unknown::Unknown;
 use crate::cell::CellModel;
 use std::collections::BTreeMap;
 
-/// What is sought, by the names that people write.
+/// What is fitted, by the names of options.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sought {
-    /// What is sought beside tension over stiffness; none: what a curve tells ([`FitSettings::usual`]), and with a curve
-    /// under a known load the stiffness.
+pub struct FitOptions {
+    /// Numbers that are fitted in addition to delays and lengths at rest. Empty: those that a curve
+    /// determines ([`FitSettings::usual`]), and with a curve under a known load the stiffness.
     pub free: Vec<String>,
-    /// What is not sought of these.
+    /// Numbers of these that are fixed.
     pub fix: Vec<String>,
     /// Bounds other than the usual ones, in the unit of each unknown.
     pub bounds: Vec<(String, [f64; 2])>,
     /// How many starts.
     pub starts: usize,
-    /// Decides the starts.
+    /// Seed of the starts.
     pub seed: u64,
 }
 
-impl Default for Sought {
+impl Default for FitOptions {
     fn default() -> Self {
         let FitSettings { starts, seed, .. } = FitSettings::default();
         Self { free: Vec::new(), fix: Vec::new(), bounds: Vec::new(), starts, seed }
     }
 }
 
-impl Sought {
-    /// The settings for a cell model; `loaded` says whether there is a curve under a known load.
+impl FitOptions {
+    /// The settings for a cell model; `loaded` is true if there is a curve under a known load.
     ///
     /// # Errors
-    /// A name to fix or to bound that is not sought anyway.
+    /// A name to fix or to bound that is not fitted.
     pub fn settings(&self, cell: &dyn CellModel, loaded: bool) -> Result<FitSettings, FitError> {
         let named = |name: &String| Unknown::named(name.trim());
         let mut free = FitSettings::usual(cell);
@@ -62,14 +62,14 @@ impl Sought {
 /// Settings of a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitSettings {
-    /// What is sought beside delays and lengths at rest; `None`: what a curve of this model tells
-    /// ([`FitSettings::usual`]).
+    /// Numbers that are fitted in addition to delays and lengths at rest; `None`: those that a
+    /// curve of this model determines ([`FitSettings::usual`]).
     pub free: Option<Vec<Unknown>>,
     /// Bounds other than the usual ones, in the unit of each unknown.
     pub bounds: BTreeMap<Unknown, [f64; 2]>,
     /// How many starts.
     pub starts: usize,
-    /// Decides the starts.
+    /// Seed of the starts.
     pub seed: u64,
 }
 
@@ -80,16 +80,18 @@ impl Default for FitSettings {
 }
 
 impl FitSettings {
-    /// What a curve of one cell tells: of a tension that is given its height and its rate, of myofilaments that feel
-    /// their length the height alone, since calcium's sensitivity and the height can hardly be told apart.
+    /// The numbers that a curve of one cell determines. For a model whose tension follows the
+    /// potential: height and rate of the tension. For myofilaments that respond to length: the
+    /// height and, where the model has one, a rate; calcium's sensitivity and the height can hardly
+    /// be distinguished.
     pub fn usual(cell: &dyn CellModel) -> Vec<Unknown> {
         let usual = cell.in_fits().usual.iter();
         let of_cell = usual.map(|name| Unknown::Parameter((*name).to_owned()));
         [Unknown::TensionOverStiffness].into_iter().chain(of_cell).collect()
     }
 
-    /// Every unknown with its bounds as factors on the run's value, and that value; `of` gives the value of what is no
-    /// parameter.
+    /// Every unknown with its bounds as factors on the run's value, and that value; `of` gives the
+    /// value of unknowns that are not parameters.
     pub(super) fn sought(
         &self,
         cell: &dyn CellModel,
@@ -98,7 +100,7 @@ impl FitSettings {
     ) -> Result<Vec<(Unknown, [f64; 2], f64)>, FitError> {
         let mut free = self.free.clone().unwrap_or_else(|| Self::usual(cell));
         if arbitrary {
-            // A height in arbitrary units is no height.
+            // A height in arbitrary units does not determine the tension.
             free.retain(|unknown| *unknown != Unknown::TensionOverStiffness);
         }
         if let Some(unknown) = self.bounds.keys().find(|unknown| !free.contains(unknown)) {
@@ -156,5 +158,5 @@ impl FitSettings {
 
 fn not_sought(unknown: &Unknown, sought: &[Unknown]) -> FitError {
     let names: Vec<&str> = sought.iter().map(Unknown::name).collect();
-    FitError::NotSought { name: unknown.to_string(), sought: names.join(", ") }
+    FitError::NotFitted { name: unknown.to_string(), sought: names.join(", ") }
 }

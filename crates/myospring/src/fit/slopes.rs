@@ -1,18 +1,19 @@
-//! Derivatives of residuals by what is sought.
+//! Derivatives of residuals by the unknowns.
 //!
-//! Numbers of the cell move the whole curve: differences of it. Levels, gain and drift are factors and sums, so
-//! their derivatives are exact. A delay moves its own beat alone, so however many beats a curve has, all of its delays
-//! together cost a few curves.
+//! Numbers of the cell change the whole curve, so their derivatives are differences of curves.
+//! Levels, gain and drift are factors and sums, so their derivatives are exact. A delay shifts only
+//! its own beat, so the derivatives by all delays of a curve together cost a few curves.
 
 use super::least_squares::{Column, Problem, difference};
 use super::observed::Scale;
 use super::problem::{Layout, Role};
 use super::work::Work;
 
-/// Derivatives by the unknowns, from the values of these and which of them are held.
+/// Derivatives by the unknowns, from their values and which of them are fixed.
 pub(super) type Slopes<'a> = dyn Fn(&[f64], &[bool]) -> Option<Vec<Column>> + Sync + 'a;
 
-/// A search ends when a step lowers chi squared by less than this, which is 1 a standard deviation away.
+/// A search ends when a step lowers chi squared by less than this; one standard deviation raises it
+/// by 1.
 const ENOUGH: f64 = 1e-5;
 
 /// Of the frames of one curve.
@@ -29,7 +30,7 @@ struct Frames {
 }
 
 impl Layout {
-    /// The residuals, counted.
+    /// The residuals; counts one evaluation.
     pub(super) fn counted<'a>(
         &'a self,
         work: &'a Work<'a>,
@@ -37,7 +38,7 @@ impl Layout {
         move |at| if work.counts() { self.residuals(at) } else { None }
     }
 
-    /// What is to be minimised.
+    /// The least-squares problem.
     pub(super) fn problem<'a>(
         &'a self,
         residuals: &'a (dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync),
@@ -49,7 +50,7 @@ impl Layout {
         Problem { residuals, slopes: Some(slopes), bounds, steps, enough }
     }
 
-    /// Derivatives of the residuals, a column an unknown; nothing for what is held.
+    /// Derivatives of the residuals, a column for each unknown, empty for fixed ones.
     pub(super) fn slopes(&self, at: &[f64], held: &[bool], work: &Work<'_>) -> Option<Vec<Column>> {
         let all = (0..self.sources.len()).collect::<Vec<_>>();
         let mut first = 0;
@@ -113,7 +114,8 @@ impl Layout {
         columns.iter().all(finite).then_some(columns)
     }
 
-    /// Derivatives of the shortening of a curve by each of its stimuli; none where no delay is free.
+    /// Derivatives of the shortening of a curve by each of its stimuli; `None` if no delay is
+    /// fitted.
     fn by_stimulus(&self, at: &[f64], held: &[bool], number: usize) -> Option<Vec<Column>> {
         let sought = self.roles.iter().zip(held).any(|(role, held)| {
             !held && matches!(role, Role::Delay { source, .. } if *source == number)
@@ -145,14 +147,14 @@ impl Layout {
         Some(Frames { by_shortening, shortening, part, before, first })
     }
 
-    /// The column of residuals of one of the shortening.
+    /// The derivatives of residuals from those of the shortening.
     fn by_shortening(&self, number: usize, frames: &Frames, column: &Column) -> Column {
         let all = column.first..column.first + column.values.len();
         let values = column.values.iter().zip(&frames.by_shortening[all]);
         self.column(number, frames, column.first, values.map(|(value, by)| value * by))
     }
 
-    /// By what turns the shortening into what was measured.
+    /// Derivatives by level, gain and drift.
     fn by_scale(&self, role: &Role, number: usize, frames: &Frames) -> Column {
         let scale = self.sources[number].observed.scale;
         let all = frames.shortening.iter().zip(&frames.part);
@@ -182,8 +184,8 @@ impl Layout {
     }
 }
 
-/// The derivative of numbers by one unknown from one more of them: off by a ten-thousandth, which moves an answer by as
-/// much of its standard deviation.
+/// The one-sided derivative by one unknown, with an error of a ten-thousandth, which shifts an
+/// answer by a ten-thousandth of its standard deviation.
 fn one_sided(
     of: impl Fn(&[f64]) -> Option<Vec<f64>>,
     at: &[f64],

@@ -1,6 +1,7 @@
 //! The contraction of a cell whose tension depends on its stretch.
 //!
-//! What makes a curve anew are the numbers of the cell alone; delays and levels only move it, so curves are remembered.
+//! Only the numbers of the cell change a curve; delays and levels shift it, so computed curves are
+//! stored.
 
 use super::error::FitError;
 use super::least_squares::Column;
@@ -11,13 +12,13 @@ use crate::simulation::{Beating, Simulation, Train};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Curves that are remembered.
+/// The largest number of stored curves.
 const KEPT: usize = 256;
 
 /// Shortening at every interval, by the bits of the physics; `None` where there was no beat.
 type Made = HashMap<Vec<u64>, Option<Arc<[f64]>>>;
 
-/// Curves that differ in the cell model.
+/// Curves of one cell for different parameters of its model.
 pub(super) struct StretchDependent {
     simulation: Simulation,
     names: Vec<String>,
@@ -43,14 +44,16 @@ impl StretchDependent {
         Ok(Self { simulation, names, train, tables, made: Mutex::default() })
     }
 
-    /// Whether a curve takes longer than all else of a fit. Such a cell begins as it is, whatever was before.
+    /// Whether computing curves takes most of the time of a fit. Such a cell always starts from the
+    /// model's published state.
     pub(super) fn is_slow(&self) -> bool {
         let (simulation, cell) = (&self.simulation, &self.simulation.cell);
         let response = &self.tables.at(1.0);
         !Beating { simulation, cell, strength: 1.0, response }.repeats()
     }
 
-    /// Shortening, a part of the resting length, at ascending times; `None` where these numbers make no beat.
+    /// Shortening, a part of the resting length, at ascending times; `None` if the cell does not
+    /// beat with these numbers.
     pub(super) fn shortening(
         &self,
         physics: &Physics<'_>,
@@ -68,7 +71,8 @@ impl StretchDependent {
         Some(times.iter().map(value).collect())
     }
 
-    /// Derivatives of [`StretchDependent::shortening`] by each of the stimuli, 1/ms: each moves its own beat.
+    /// Derivatives of [`StretchDependent::shortening`] by each of the stimuli, 1/ms: each shifts
+    /// its own beat.
     pub(super) fn by_stimulus(
         &self,
         physics: &Physics<'_>,
@@ -86,9 +90,10 @@ impl StretchDependent {
         Some(stimuli.iter().enumerate().map(column).collect())
     }
 
-    /// The shortening so long after a stimulus, and its slope, 1/ms.
+    /// The shortening at a time after a stimulus, and its slope, 1/ms.
     fn at(&self, samples: &[f64], number: usize, since: f64) -> [f64; 2] {
-        // Before the first stimulus nothing moves; a pause longer than the cycle ends as this beat does.
+        // Before the first stimulus the cell is at rest; in a pause longer than the cycle it keeps
+        // the last value.
         let (cycle, interval) = (self.train.cycle_ms, self.train.interval_ms());
         let last = cycle * (1.0 - 1e-9);
         let within = since.clamp(0.0, last);
@@ -129,7 +134,7 @@ impl StretchDependent {
         made
     }
 
-    /// The cell model with these numbers; `None` where it does not take them.
+    /// The cell model with these numbers; `None` if it rejects them.
     fn changed(&self, physics: &Physics<'_>) -> Option<Arc<dyn CellModel>> {
         let cell = &self.simulation.cell;
         let mut parameters = cell.parameters().clone();
@@ -145,8 +150,8 @@ impl StretchDependent {
     }
 }
 
-/// A cubic through four samples, and its slope by the place: those between which the time lies, and one more on either
-/// side.
+/// The value and slope of a cubic through four samples: the two around the time, and one more on
+/// either side.
 fn curve_at(samples: &[f64], before: usize, part: f64) -> [f64; 2] {
     let first = before.saturating_sub(1).min(samples.len() - 4);
     let x = before as f64 + part - first as f64;

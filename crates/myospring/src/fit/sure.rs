@@ -1,4 +1,4 @@
-//! How sure the answer of a fit is: profiles of its likelihood, and by how much a misfit widens them.
+//! Intervals of a fit: profiles of its likelihood, and by how much a misfit widens them.
 
 use super::least_squares::Least;
 use super::likelihood::{Profile, Top, covariance, profile, rise_at_ends};
@@ -7,34 +7,37 @@ use super::work::Work;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// An answer that is this much worse than the ends of an interval tells nothing of it.
+/// A local minimum this much worse than the ends of an interval does not affect it.
 const FAR: f64 = 4.0;
-/// Answers that differ by fewer steps than this in each unknown are one.
+/// Answers that differ by fewer steps than this in each unknown count as the same.
 const ONE_ANSWER: f64 = 10.0;
-/// Of a misfit only that is seen which the numbers that are sought have not taken up, so the ends of an interval are
-/// farther away by this factor: measured with cells that differ from their model (`docs/reference/accuracy.md`).
+/// Residuals show only the part of a misfit that the fitted numbers have not absorbed, so intervals
+/// are wider by this factor. It was measured with cells that differ from their model
+/// (`docs/reference/accuracy.md`).
 const TAKEN_UP: f64 = 3.5;
-/// A misfit is known by two independent stretches of it at least.
+/// Fewest independent stretches of a misfit.
 const FEWEST: f64 = 2.0;
-/// Part of the work that the search is.
+/// Part of the work that the search takes.
 pub(super) const SEARCH: f64 = 0.6;
 
-/// How sure the best of several answers is.
+/// Profiles of the best of several answers.
 pub(super) struct Sure {
     pub(super) profiles: Vec<Profile>,
     pub(super) covariance: Option<Vec<Vec<f64>>>,
-    /// Variance of a residual, times the factor: all residuals tell it best, since few frames are at rest.
+    /// Variance of a residual times the factor; estimated from all residuals, since few frames are
+    /// at rest.
     pub(super) unit: f64,
     /// Rise of chi squared at the ends of an interval, over that variance.
     pub(super) at_ends: f64,
     /// Chi squared over its degrees of freedom.
     pub(super) reduced: f64,
-    /// The variance that counts, over that of the residuals.
+    /// The variance that intervals use, over that of the residuals.
     pub(super) factor: f64,
 }
 
 impl Sure {
-    /// `ends` are answers, the best first; profiles are those of the places that are shown. `None` if it was stopped.
+    /// `ends` are answers, the best first. Profiles are computed for the unknowns that are
+    /// reported. `None` if it was stopped.
     pub(super) fn of(
         layout: &Layout,
         ends: &[Least],

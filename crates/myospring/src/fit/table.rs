@@ -1,4 +1,4 @@
-//! Equilibria of a cell for curves of it that were held otherwise, and for other stiffnesses than the run's.
+//! Equilibria of a cell under other supports and for other stiffnesses than the run's.
 
 use super::error::FitError;
 use crate::integrate::quasi_static::Tolerance;
@@ -9,19 +9,19 @@ use crate::simulation::equilibria::{Equilibria, TensionResponse};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Factors on the stiffness for which a held cell is solved, evenly in their logarithm: half as many move the standard
-/// deviation of a modulus by a tenth.
+/// Number of factors on the stiffness for which a held cell is solved, evenly spaced in their
+/// logarithm; half as many change the standard deviation of a modulus by a tenth.
 const STIFFNESSES: usize = 25;
 /// Shortening up to which tables are solved.
 const UP_TO: [f64; 4] = [0.1, 0.2, 0.4, 0.8];
 /// The largest of these factors; the smallest is its inverse.
 const STIFFEST: f64 = 16.0;
 
-/// Up to a shortening or as far as the cell goes.
+/// Solves up to a shortening, or to the largest that the cell reaches.
 fn solve(simulation: &Simulation, up_to: f64) -> Result<Equilibria, FitError> {
     let equilibria = simulation.equilibria_to(up_to, Tolerance::default())?;
     let [most, _] = equilibria.shortening(equilibria.highest());
-    // A cell whose ends are held does not show what it does.
+    // A cell whose ends are held does not shorten.
     if most.is_nan() || most <= 1e-6 {
         return Err(FitError::DoesNotShorten);
     }
@@ -41,18 +41,19 @@ struct Kept {
 }
 
 impl Shelf {
-    /// The tables of a simulation up to a shortening at least, for the run's stiffness or any; all that is asked of one
-    /// shelf differs in the support alone.
+    /// The tables of a simulation up to at least this shortening, for the run's stiffness or any.
+    /// Calls for one shelf may differ only in the support.
     pub(super) fn tables(
         &self,
         simulation: &Simulation,
         up_to: f64,
         any: bool,
     ) -> Result<Arc<Tables>, FitError> {
-        // A few of them serve all; which one a curve has must not hang on what others had asked for.
+        // Only these ranges are solved, so that the table of a curve does not depend on earlier
+        // requests.
         let up_to = UP_TO.into_iter().find(|reach| *reach >= up_to).unwrap_or(up_to);
         let of = (simulation.support, any, up_to);
-        // Not held while one is solved, which may take on other work meanwhile.
+        // The lock is free while a table is solved, since that thread may take on other work.
         let all = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(kept) = all().iter().find(|kept| kept.of == of) {
             return Ok(Arc::clone(&kept.tables));
@@ -65,8 +66,8 @@ impl Shelf {
 
 /// Tables for cells of other stiffness than the run's, all else as it is.
 pub(super) struct Tables {
-    /// By factor on every elastic constant of the cell, ascending; one alone where nothing holds the cell, since there
-    /// only tension over stiffness counts.
+    /// By factor on every elastic constant of the cell, ascending; a single one if nothing holds
+    /// the cell, since then only tension over stiffness counts.
     by_stiffness: Vec<Equilibria>,
 }
 
@@ -99,7 +100,7 @@ pub(super) struct AtStiffness<'a> {
 }
 
 impl AtStiffness<'_> {
-    /// That of the run's stiffness.
+    /// The equilibria of the run's stiffness.
     fn middle(&self) -> &Equilibria {
         &self.by_stiffness[self.by_stiffness.len() / 2]
     }

@@ -1,17 +1,17 @@
-//! What a curve can tell: the unknowns of a fit.
+//! The unknowns of a fit.
 
 use std::fmt;
 
-/// Where its value is sought unless other bounds are given, as factors on the run's own value.
+/// Default bounds, as a factor on the run's value.
 const USUAL: f64 = 4.0;
 
-/// One that says how the cell is.
+/// An unknown of the cell.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Unknown {
     /// Peak of the active tension over stiffness: a free cell shortens by their ratio.
     TensionOverStiffness,
-    /// Every elastic constant of the cell, by its Young's modulus: with a known load alone.
+    /// Every elastic constant of the cell, by its Young's modulus; only with a known load.
     YoungModulus,
     /// A parameter of the cell model.
     Parameter(String),
@@ -36,10 +36,10 @@ impl Unknown {
         }
     }
 
-    /// Factors on the run's value between which it is sought.
+    /// Default bounds, as factors on the run's value.
     pub(super) fn usual(&self) -> [f64; 2] {
         match self {
-            // Whatever the measured height asks for: gels want a hundredth of what free cells have.
+            // A wide range: on gels it is a hundredth of that of free cells.
             Self::TensionOverStiffness => [1e-4, 1e4],
             Self::YoungModulus => super::table::STIFFNESS_BOUNDS,
             Self::Parameter(_) => [1.0 / USUAL, USUAL],
@@ -60,6 +60,6 @@ pub(super) struct Physics<'a> {
     pub(super) tension: f64,
     /// Factor on every elastic constant.
     pub(super) stiffness: f64,
-    /// Values of the parameters that are free, in the order in which they are.
+    /// Values of the fitted parameters, in their order.
     pub(super) parameters: &'a [f64],
 }

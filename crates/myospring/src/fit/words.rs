@@ -5,10 +5,10 @@ use super::observed::Scale;
 use super::unknown::Unknown;
 use crate::cell::CellModel;
 
-/// Stretches that were left out are listed up to so many.
+/// The largest number of left-out stretches that are listed.
 const LISTED: usize = 5;
 
-/// What a reader must know, in order of weight.
+/// Verdicts for the reader, the most important first.
 pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<String> {
     let model = cell.name();
     let mut words = Vec::new();
@@ -21,7 +21,7 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
         let name = &estimate.name;
         match estimate.verdict {
             Verdict::Determined if estimate.is_parabolic() => {}
-            // Said of the whole fit.
+            // The verdict on the whole fit says it.
             Verdict::DoesNotFit => {}
             Verdict::Determined => words.push(format!(
                 "the likelihood of {name} is not a parabola: use its interval, not its standard deviation"
@@ -55,7 +55,7 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
             "the curve can hardly distinguish {one} from {other} (correlation {correlation:.3}): fix one of them"
         ));
     }
-    // Too small to speak against the fit, and yet in its intervals.
+    // Too small to reject the fit, but included in its intervals.
     let small = |curve: &&FittedCurve| curve.verdict() == FitVerdict::Fits && curve.misfit > 0.0;
     words.extend(fit.curves.iter().filter(small).map(|curve| misfit(curve, model)));
     let [agreeing, starts] = fit.agreeing_starts;
@@ -124,7 +124,7 @@ fn what_to_do(fit: &Fit, cell: &dyn CellModel) -> String {
     )
 }
 
-/// How the fitted curve goes by the measured one, where it cannot follow.
+/// How the fitted curve differs from the measured one.
 fn misfit(curve: &FittedCurve, model: &str) -> String {
     let FittedCurve { times_ms, measured, fitted, used, .. } = curve;
     let sign = if curve.scale == Scale::Length { -1.0 } else { 1.0 };

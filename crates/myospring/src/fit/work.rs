@@ -1,18 +1,18 @@
-//! The work of a fit: how much was done, and whether it goes on.
+//! Progress of a fit, and whether to continue.
 
 use crate::interruption::Interruption;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// It is asked so often whether to go on, however long a start or a profile takes.
+/// Interval between calls that report progress.
 const ASKED_EVERY: Duration = Duration::from_millis(100);
 
-/// What was done.
+/// The work done.
 pub(super) struct Work<'a> {
     evaluations: AtomicUsize,
     stopped: AtomicBool,
-    /// How much of all, and when somebody heard of it.
+    /// The part of all work that is done, and when it was last reported.
     heard: Mutex<(f64, Instant)>,
     goes_on: &'a (dyn Fn(f64) -> bool + Sync),
     interruption: &'a Interruption,
@@ -28,7 +28,7 @@ impl<'a> Work<'a> {
         Self { evaluations, stopped, heard, goes_on, interruption }
     }
 
-    /// So much of all is done; whether to go on.
+    /// Reports the part of all work that is done; returns whether to continue.
     pub(super) fn done(&self, part: f64) -> bool {
         let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
         *heard = (heard.0.max(part), Instant::now());
@@ -40,7 +40,7 @@ impl<'a> Work<'a> {
         self.is_wanted()
     }
 
-    /// One more curve is asked for; whether to go on.
+    /// Counts one more curve; returns whether to continue.
     pub(super) fn counts(&self) -> bool {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
         let heard = *self.heard.lock().unwrap_or_else(PoisonError::into_inner);
@@ -48,7 +48,7 @@ impl<'a> Work<'a> {
     }
 
     pub(super) fn is_wanted(&self) -> bool {
-        !self.stopped.load(Ordering::Relaxed) && !self.interruption.is_asked()
+        !self.stopped.load(Ordering::Relaxed) && !self.interruption.is_requested()
     }
 
     pub(super) fn evaluations(&self) -> usize {

@@ -82,7 +82,7 @@ impl Reader {
     /// ```
     /// use myospring::run_file::Reader;
     /// let text = "[shape]\npicture = \"cell.tif\"\npixel_size = \"0.27 um\"";
-    /// let reader = Reader::new().text("study/cell.toml", text)?.beside("study".as_ref());
+    /// let reader = Reader::new().text("study/cell.toml", text)?.relative_to("study".as_ref());
     /// let run = reader.option("--outline", "segmentation.outline", "drawn.roi").resolve()?;
     /// let file = run.to_run_file();
     /// assert_eq!(file.get("shape.picture"), Some(&"study/cell.tif".into()));
@@ -90,7 +90,7 @@ impl Reader {
     /// # Ok::<(), myospring::run_file::RunFileError>(())
     /// ```
     #[must_use]
-    pub fn beside(mut self, folder: &Path) -> Self {
+    pub fn relative_to(mut self, folder: &Path) -> Self {
         for setting in table() {
             if let Some((table, name)) = setting.key.split_once('.')
                 && let Some(toml::Value::Table(table)) = self.table.get_mut(table)

@@ -394,7 +394,7 @@ impl PictureSource {
     pub fn cells(&self, bytes: &ShapeBytes) -> Result<PictureCells, ShapeError> {
         let cells = match (&bytes.outline, &self.outline) {
             (Some(outline), Some(name)) => {
-                PictureCells::given(&bytes.shape, outline, name, &self.options)
+                PictureCells::with_outlines(&bytes.shape, outline, name, &self.options)
             }
             _ => PictureCells::find(&bytes.shape, &self.options),
         };

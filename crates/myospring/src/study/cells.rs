@@ -179,7 +179,7 @@ pub fn run(
     let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
     let interruption = observer.interruption();
     run_together(cells, journal, threads, observer, together, |group| {
-        side_by_side(group, &settings, &|| !interruption.is_asked())
+        side_by_side(group, &settings, &|| !interruption.is_requested())
     })
 }
 

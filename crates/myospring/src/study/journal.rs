@@ -92,7 +92,7 @@ impl<M: Member> Journal<M> {
     /// A folder that contains results of other settings or other files, one that another study is
     /// writing to, or one that cannot be written to.
     pub fn open(folder: &Path, settings: &str) -> Result<Self, StudyError> {
-        Self::open_beside(folder, settings, &Reads::new())
+        Self::open_protecting(folder, settings, &Reads::new())
     }
 
     /// Does what [`Journal::open`] does, in a folder whose results must not replace any of the
@@ -100,7 +100,11 @@ impl<M: Member> Journal<M> {
     ///
     /// # Errors
     /// Those of [`Journal::open`], and an input file that a result would replace.
-    pub fn open_beside(folder: &Path, settings: &str, reads: &Reads) -> Result<Self, StudyError> {
+    pub fn open_protecting(
+        folder: &Path,
+        settings: &str,
+        reads: &Reads,
+    ) -> Result<Self, StudyError> {
         let manifest = Manifest::of(folder);
         reads.check_folder(folder)?;
         manifest.check_reads(reads)?;
@@ -216,7 +220,7 @@ impl<M: Member> Journal<M> {
         }
     }
 
-    /// How many of these members are done with another input than they have now: they are worked on anew.
+    /// Returns how many of these members were computed with another input; they are computed again.
     pub fn changed(&self, members: &[M]) -> usize {
         let left = self.left(members);
         match &*self.state() {

@@ -14,7 +14,7 @@ pub fn damaged(count: usize, members: &str) -> String {
     )
 }
 
-/// What to say of members that were done with another input than they have now.
+/// Returns the message for members whose input changed since they were computed.
 pub fn changed(count: usize, members: &str) -> String {
     format!(
         "{count} stored {members} had other input (another picture, other parameters or another sampling); they are \
@@ -30,7 +30,7 @@ pub trait StudyObserver<M: Member>: Sync {
     /// Called with the number of members whose results are damaged and computed again.
     fn damaged(&self, _members: usize) {}
 
-    /// How many members were done with another input than they have now, and are computed anew.
+    /// Called with the number of members whose input changed and that are computed again.
     fn changed(&self, _members: usize) {}
 
     /// Called after a member was finished and recorded in the journal; `false` stops the study.

@@ -39,6 +39,7 @@
 
 mod alone;
 mod answer;
+mod cell_metrics;
 mod course;
 mod description;
 mod elsewhere;
@@ -47,7 +48,6 @@ mod figures;
 mod member;
 mod schema;
 mod shard;
-mod told;
 mod traces;
 mod values;
 mod work;

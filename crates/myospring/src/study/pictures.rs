@@ -154,7 +154,7 @@ pub fn rows(
 ) -> Result<Vec<CellRow>, Cause> {
     let mut rows = match found_and_beaten(picture, run, which, keeper) {
         // After an interruption, any other error is a consequence of it.
-        Err(_) if run.interruption.is_asked() => return Err(Interrupted.into()),
+        Err(_) if run.interruption.is_requested() => return Err(Interrupted.into()),
         Err(cause) => vec![picture.failed(cause.to_string())],
         Ok(rows) => rows,
     };

@@ -1,8 +1,9 @@
-//! A cell that the frame of its film cuts: what is not seen of it pulls at it there.
+//! A cell that the frame of its film cuts: the part beyond the frame pulls at it.
 //!
-//! How hard, nobody knows; but where the points at the cut have gone was seen. They are held there, which makes up for
-//! whatever force it takes. As each has its own noise, and neighbours that part make much force, they are held where a
-//! plane through the ways of all points around them has them.
+//! That force is not known, but the positions of the points at the cut were measured. They are held
+//! there, which replaces the force. Since each has its own noise, and neighbours that move apart
+//! make large forces, their displacements are smoothed: each is that of a plane through the
+//! displacements of the points around it.
 
 use super::observed_peak::ObservedPeak;
 use crate::mechanics::support::Support;
@@ -10,17 +11,18 @@ use crate::mechanics::{Body, System};
 use crate::mesh::Mesh;
 use nalgebra::{Matrix3, Vector3};
 
-/// Points so many squares away from one hardly count for it.
+/// Width of the smoothing, in squares.
 const REACH: f64 = 2.0;
 
-/// Holds the points at the cut where they were seen, and puts all others there; whether there is a cut.
+/// Holds the points at the cut at their measured positions and moves all others to theirs; returns
+/// whether there is a cut.
 pub(super) fn hold(mesh: &Mesh, seen: &ObservedPeak, body: &mut Body, system: &mut System) -> bool {
     let cut: Vec<usize> = (0..mesh.len()).filter(|&point| seen.cut[point]).collect();
     if cut.is_empty() {
         return false;
     }
     let clamped = match &system.support {
-        // Ends that are clamped besides stay where they are.
+        // Clamped ends stay clamped.
         Support::Clamped(nodes) => nodes.clone(),
         Support::MassCentre | Support::Free => Vec::new(),
     };
@@ -38,7 +40,8 @@ pub(super) fn hold(mesh: &Mesh, seen: &ObservedPeak, body: &mut Body, system: &m
     true
 }
 
-/// The way at a place, um: a plane through the ways of the points around it that were found.
+/// The smoothed displacement at a place, um: that of a plane through the displacements of the found
+/// points around it.
 fn smooth(mesh: &Mesh, seen: &ObservedPeak, place: [f64; 2]) -> [f64; 2] {
     let mut normal = Matrix3::zeros();
     let mut sides = [Vector3::zeros(); 2];
@@ -57,7 +60,7 @@ fn smooth(mesh: &Mesh, seen: &ObservedPeak, place: [f64; 2]) -> [f64; 2] {
     }
     let mean =
         |side: &Vector3<f64>| if normal[(0, 0)] > 0.0 { side[0] / normal[(0, 0)] } else { 0.0 };
-    // Too few points for a plane have a mean.
+    // With too few points for a plane, their mean.
     let inverse = normal.try_inverse();
     sides.map(|side| inverse.map_or_else(|| mean(&side), |inverse| (inverse * side)[0]))
 }

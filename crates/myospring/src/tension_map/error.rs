@@ -13,7 +13,7 @@ pub enum TensionMapError {
         /// Points of the mesh.
         points: usize,
     },
-    /// Too little was seen.
+    /// Too few points were found.
     #[error(
         "points were found in {squares} squares of {alike_um:.1} um of the cell; a map needs {least} or more"
     )]
@@ -25,13 +25,13 @@ pub enum TensionMapError {
         /// Least number of them.
         least: usize,
     },
-    /// The cell is not shorter.
+    /// The cell does not contract.
     #[error(
         "the cell does not contract along its fibres (uniform tension {tension_kpa:.3} kPa), so there is nothing to \
         map"
     )]
     NoContraction {
-        /// The even tension that is nearest, kPa.
+        /// The uniform tension that fits best, kPa.
         tension_kpa: f64,
     },
     /// Tension at the ends.

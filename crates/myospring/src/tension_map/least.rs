@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Rounds in which all numbers that do not belong change sides at once; from then on one a round does, which ends.
+/// Rounds in which all numbers that violate a condition change sides at once; after them one
+/// changes per round, which is guaranteed to end.
 const AT_ONCE: usize = 20;
 const ROUNDS: usize = 500;
 

@@ -15,10 +15,11 @@ use crate::mesh::Mesh;
 use crate::simulation::Simulation;
 use nalgebra::{DMatrix, DVector};
 
-/// Chance that an even cell looks as uneven, above which no unevenness is told.
+/// Largest chance at which unevenness is reported.
 pub const EVEN: f64 = 0.05;
 
-/// Points of the grid that a map has at most, about; it is no finer than so many spacings of the mesh.
+/// The approximate largest number of points of a map's grid, and its finest spacing in spacings of
+/// the mesh.
 const POINTS: f64 = 240.0;
 const FINEST: f64 = 1.5;
 /// Fewest squares that a map is made from.
@@ -36,39 +37,41 @@ pub struct TensionMap {
     pub tensions_kpa: Vec<f64>,
     /// Their standard deviations, kPa, at that stiffness.
     pub deviations_kpa: Vec<f64>,
-    /// Standard deviation of each tension over the mean one, which does not hang on the stiffness.
+    /// Standard deviation of each tension over the mean tension; independent of the stiffness.
     pub relative_deviations: Vec<f64>,
-    /// Size of what can be told around each triangle, um: the side of the square that one number of the map stands for.
+    /// Resolution around each triangle, um: the side of the square that one number of the map
+    /// represents.
     pub resolutions_um: Vec<f64>,
-    /// Mean over the volume, kPa, and its standard deviation.
+    /// Mean over the volume, kPa.
     pub mean_kpa: f64,
     /// Standard deviation of that.
     pub mean_deviation_kpa: f64,
-    /// The even tension that is nearest to what was seen, kPa.
+    /// The uniform tension that fits the film best, kPa.
     pub even_kpa: f64,
-    /// Numbers that the map has in effect; 1 of an even one.
+    /// Effective number of parameters of the map; 1 for a uniform one.
     pub numbers: f64,
     /// Weight of the smoothness, um^2/kPa^2.
     pub lambda: f64,
-    /// Chance that an even tension with such noise would gain as much by an uneven map.
+    /// Chance that a uniform tension with such noise would look as uneven.
     pub chance_even: f64,
-    /// Root mean square of the distance from where points were seen to where the map has them, um, after the best shift
-    /// and rotation of the whole cell.
+    /// Root mean square distance between the measured positions of the points and those of the map,
+    /// um, after the best shift and rotation of the whole cell.
     pub misfit_um: f64,
-    /// The same under the even tension.
+    /// The same under the uniform tension.
     pub even_misfit_um: f64,
-    /// Standard deviation of the mean of a square's points along an axis, um, by what the map leaves.
+    /// Standard deviation of the mean of a square's points along an axis, um, from the residuals of
+    /// the map.
     pub noise_um: f64,
-    /// How many points were held where they were seen, since the frame cuts the cell there.
+    /// The number of points held at their measured positions, since the frame cuts the cell there.
     pub held_at_cut: usize,
-    /// The equilibrium under the map, um, where the cell was seen.
+    /// The equilibrium under the map, um, shifted and rotated to the measured positions.
     pub positions_um: [Vec<f64>; 2],
-    /// Frames of the film that it is of.
+    /// Frames of the film that it was made from.
     pub frames: Vec<usize>,
 }
 
 impl TensionMap {
-    /// Of a cell, with its stiffness and its support, and what was seen of it.
+    /// The map of a cell with this stiffness and support, from its measured peak.
     ///
     /// # Errors
     /// Every [`TensionMapError`].
@@ -110,7 +113,8 @@ impl TensionMap {
             interruption,
         };
         search.even()?;
-        // A cell that is held where it contracted can only rest under tension, so that of a whole one comes first.
+        // A cell held at its contracted positions has an equilibrium only under tension, so the
+        // uniform tension of the free cell is found first.
         let (mut body, mut system) = simulation.mechanics();
         if cut::hold(mesh, seen, &mut body, &mut system) {
             let mut equilibrium =
@@ -125,7 +129,7 @@ impl TensionMap {
         search.answer(&problem, smoothing, even_kpa, even_misfit_um)
     }
 
-    /// Whether the film tells that the cell pulls unevenly.
+    /// Whether the film shows that the cell pulls unevenly.
     pub fn is_uneven(&self) -> bool {
         self.chance_even <= EVEN
     }
@@ -136,7 +140,7 @@ impl TensionMap {
     }
 }
 
-/// Where the rounds have led.
+/// The state of the iteration.
 struct Search<'a> {
     mesh: &'a Mesh,
     system: &'a System,
@@ -172,15 +176,15 @@ impl Search<'_> {
         self.equilibrium.linearise(&self.positions, Tension::PerElement(&tensions))
     }
 
-    /// How the means of the squares answer to 1 kPa times these values of the grid.
+    /// The response of the means of the squares to 1 kPa times these values of the grid.
     fn column(&mut self, values: &[f64]) -> Vec<f64> {
         let forces = self.forces(&self.grid.in_triangles(values));
         self.squares.means(&self.equilibrium.response(&forces))
     }
 
-    /// What is left to explain by the tensions themselves, given the columns.
+    /// The displacements that the tensions must explain, given the columns.
     fn left(&self, explained: &DVector<f64>) -> DVector<f64> {
-        // Turned as they are, so that what is left of the rotation is small.
+        // Rotated to the current positions, so that the remaining rotation is small.
         let target = placed(&self.target(), &self.positions, &self.seen.found);
         let away = [0, 1].map(|axis: usize| {
             target[axis].iter().zip(&self.positions[axis]).map(|(seen, now)| seen - now).collect()
@@ -188,7 +192,7 @@ impl Search<'_> {
         DVector::from_vec(self.squares.means(&away)) + explained
     }
 
-    /// Shifts and turns of the whole cell as they are seen, orthonormal.
+    /// Shifts and rotations of the whole cell in the means of the squares, orthonormal.
     fn whole(&self) -> DMatrix<f64> {
         let count = self.mesh.len();
         let [x, y] = &self.positions;
@@ -201,7 +205,7 @@ impl Search<'_> {
         DMatrix::from_columns(&columns).qr().q()
     }
 
-    /// The even tension: one number, round by round.
+    /// The uniform tension: one number, by iteration.
     fn even(&mut self) -> Result<f64, TensionMapError> {
         let count = self.grid.len();
         for _ in 0..ROUNDS {
@@ -223,7 +227,7 @@ impl Search<'_> {
         Ok(self.values[0])
     }
 
-    /// The map, round by round: the last linear problem, and how smooth it was made.
+    /// The map, by iteration: the last linear problem, and its smoothing.
     fn uneven(&mut self) -> Result<(Problem, Smoothing), TensionMapError> {
         let mut last = None;
         for _ in 0..ROUNDS {
@@ -268,7 +272,7 @@ impl Search<'_> {
         Ok(Problem { columns, seen, freedom, penalty })
     }
 
-    /// Goes to the equilibrium under these values, or as far towards it as there is one.
+    /// Moves to the equilibrium under these values, or as far towards it as equilibria exist.
     fn go_to(&mut self, values: &DVector<f64>) -> Result<(), PathError> {
         let mut part = 1.0;
         for halving in 0..=HALVINGS {
@@ -286,7 +290,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Where the points were seen, um.
+    /// Measured positions of the points, um.
     fn target(&self) -> [Vec<f64>; 2] {
         [0, 1].map(|axis: usize| {
             let rest = &self.mesh.points[axis];
@@ -294,7 +298,7 @@ impl Search<'_> {
         })
     }
 
-    /// Root mean square of the distance of the points that were found from where they were seen, um.
+    /// Root mean square distance of the found points from their measured positions, um.
     fn misfit(&self) -> f64 {
         let target = self.target();
         let at = placed(&self.positions, &target, &self.seen.found);
@@ -318,7 +322,7 @@ impl Search<'_> {
         let inverse =
             inverse.ok_or(TensionMapError::NoContraction { tension_kpa: even_kpa })?.inverse();
         let covariance = &inverse * noise.powi(2);
-        // Numbers of the map at each point of its grid, over its area.
+        // Effective number of parameters at each point of the grid, over its area.
         let shares = &inverse * problem.columns.tr_mul(&problem.columns);
         let density = |at: usize| (shares[(at, at)] / self.grid.areas[at]).max(0.0);
         let total: f64 = self.grid.areas.iter().sum();
@@ -344,7 +348,8 @@ impl Search<'_> {
         let resolution = |density: f64| density.sqrt().recip();
         Ok(TensionMap {
             tensions_kpa,
-            // Between the points of the grid that of the mean of both, were they sure of each other: a little too much.
+            // Between points of the grid the deviations are interpolated as if fully correlated,
+            // which slightly overestimates them.
             deviations_kpa: self.grid.in_triangles(&deviations),
             relative_deviations: self.grid.in_triangles(&relative_deviations),
             resolutions_um: self
@@ -369,7 +374,7 @@ impl Search<'_> {
     }
 }
 
-/// Points shifted and turned as near as they come to others, in the sense of least squares over those that were found.
+/// Points shifted and rotated to others, by least squares over those that were found.
 fn placed(from: &[Vec<f64>; 2], to: &[Vec<f64>; 2], found: &[bool]) -> [Vec<f64>; 2] {
     let weights: Vec<f64> = found.iter().map(|found| f64::from(u8::from(*found))).collect();
     laid_upon(from, to, &weights)

@@ -1,19 +1,20 @@
-//! What a film says of the cell at its peak.
+//! The cell of a film at its peak.
 
 use crate::mesh::Mesh;
 use crate::microscopy::motion::CellMotion;
 
-/// Frames this near to the greatest contraction are of the peak, and this near to none are of rest; parts of it.
+/// Frames within this part of the largest contraction count as peak, and as close to no contraction
+/// as rest.
 pub(super) const NEAR: f64 = 0.1;
 
 /// The cell at the peak of its contraction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedPeak {
-    /// Way of each point of the mesh from where it rests, um: `[axis][point]`.
+    /// Displacement of each point of the mesh from rest, um: `[axis][point]`.
     pub displacements_um: [Vec<f64>; 2],
     /// Which points were found, not interpolated from their neighbours.
     pub found: Vec<bool>,
-    /// Which points lie where the frame cuts the cell: something pulls at them that is not seen.
+    /// Which points lie where the frame cuts the cell, so that the part beyond it pulls at them.
     pub cut: Vec<bool>,
     /// Side of a square whose points have one error between them, um.
     pub alike_um: f64,
@@ -22,13 +23,14 @@ pub struct ObservedPeak {
 }
 
 impl ObservedPeak {
-    /// The peak of a film: the mean of the frames within a tenth of the greatest contraction along the smaller principal
-    /// stretch, less that of the frames as near to rest. So noise is averaged, that of the frame at rest, too. A point
-    /// counts where it was found in half of the frames of the peak.
+    /// The peak of a film: the mean of the frames within a tenth of the greatest contraction along
+    /// the smaller principal stretch, minus that of the frames as close to rest. So noise is
+    /// averaged, also that of the frame at rest. A point counts if it was found in half of the
+    /// frames of the peak.
     pub fn at_peak(motion: &CellMotion) -> Self {
         let contraction: Vec<f64> =
             motion.stretches().iter().map(|stretches| 1.0 - stretches.smaller).collect();
-        let seen = motion.seen_frames();
+        let seen = motion.frames_with_cell();
         let most = seen.iter().map(|&frame| contraction[frame]).fold(f64::MIN, f64::max);
         let frames = |is: &dyn Fn(f64) -> bool| -> Vec<usize> {
             seen.iter().copied().filter(|&frame| is(contraction[frame])).collect()
@@ -63,7 +65,7 @@ impl ObservedPeak {
             frames: peak.iter().map(|frame| motion.frames[*frame]).collect(),
         }
     }
-    /// Area of each point that was found, um^2, 0 of the others: its weight where the whole cell is asked about.
+    /// Area of each point that was found, um^2, 0 of the others: its weight in means over the cell.
     ///
     /// # Panics
     /// If they are points of another mesh.

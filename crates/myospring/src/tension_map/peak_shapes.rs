@@ -1,16 +1,17 @@
-//! The cell of a film beside a simulated one, both at the peak of their contraction.
+//! The cell of a film compared with a simulated one, both at the peak of their contraction.
 
 use super::observed_peak::{NEAR, ObservedPeak};
 use crate::analysis::shape::laid_upon;
 use crate::mesh::Mesh;
 use crate::recording::Frame;
 
-/// Both shapes, and how far apart their points are.
+/// Both shapes, and the distances between their points.
 #[derive(Debug, Clone)]
 pub struct PeakShapes {
-    /// Where the points were seen, um.
+    /// Measured positions, um.
     pub measured: Frame,
-    /// Those of the simulated cell, um, shifted and turned as a whole to where they are nearest to the measured ones.
+    /// Positions of the simulated cell, um, shifted and rotated as a whole to fit the measured ones
+    /// best.
     pub simulated: Frame,
     /// Distance of each pair of points, um.
     pub distances_um: Vec<f64>,
@@ -19,10 +20,11 @@ pub struct PeakShapes {
 }
 
 impl PeakShapes {
-    /// The peak that was seen of a film, and the mean of the simulated frames that are as near to theirs; `None` where
-    /// there are no frames.
+    /// The peak of a film, and the mean of the simulated frames as close to their own peak; `None`
+    /// if there are no frames.
     ///
     /// # Panics
+    ///
     /// If the frames or the peak are of another mesh.
     pub fn of(mesh: &Mesh, seen: &ObservedPeak, frames: &[Frame]) -> Option<Self> {
         let moved = |frame: &Frame| {

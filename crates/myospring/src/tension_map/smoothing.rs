@@ -1,29 +1,31 @@
-//! How smooth a map must be: generalised cross-validation, and whether there is anything but an even one.
+//! The smoothness of a map by generalised cross-validation, and a test whether it is uniform.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
 use std::f64::consts::TAU;
 
-/// Levels of smoothing that are tried, how far apart their factors are, and the one that stands for an even map.
+/// Levels of smoothing that are tried, how far apart their factors are, and the level of a uniform
+/// map.
 const LEVELS: i32 = 60;
 const APART: f64 = 1.5;
 const EVEN: f64 = 1e6;
-/// Most numbers that a map may have, as a part of those that were seen: cross-validation sometimes takes noise for signal.
+/// Largest effective number of parameters of a map, as a part of the measured numbers;
+/// cross-validation sometimes fits noise.
 const MOST: f64 = 0.5;
-/// Directions in which the cell hardly answers at all, relative to the strongest one.
+/// Smallest response of a direction that is used, relative to the largest.
 const NOTHING: f64 = 1e-12;
-/// Even cells with noise that a gain is compared with.
+/// Simulated uniform cells with noise in the test of unevenness.
 const EVEN_CELLS: usize = 999;
 
-/// A linear problem whose answer shall be smooth: rows are what was seen, columns the numbers of the map. What is left
-/// open (the motion of the whole cell) is taken out of both before.
+/// A linear problem with a smooth solution: rows are measured numbers, columns the numbers of the
+/// map. The free motion of the whole cell is projected out of both.
 pub(super) struct Problem {
     pub(super) columns: DMatrix<f64>,
     pub(super) seen: DVector<f64>,
-    /// Numbers that were seen, less those that are left open.
+    /// Measured numbers minus those of the free motion.
     pub(super) freedom: f64,
-    /// `x.(P x)` is how uneven a map is; 0 for an even one.
+    /// `x.(P x)` is the unevenness of a map; 0 for a uniform one.
     pub(super) penalty: DMatrix<f64>,
 }
 
@@ -31,21 +33,21 @@ pub(super) struct Problem {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Smoothing {
     pub(super) lambda: f64,
-    /// Numbers that the map has in effect; 1 of an even one.
+    /// Effective number of parameters of the map; 1 for a uniform one.
     pub(super) numbers: f64,
-    /// Standard deviation of what was seen.
+    /// Standard deviation of the measured numbers.
     pub(super) noise: f64,
-    /// Chance that an even map with such noise would gain as much by being uneven.
+    /// Chance that a uniform tension with such noise would look as uneven.
     pub(super) chance_even: f64,
 }
 
-/// The problem in directions that do not know of each other, the even one left open.
+/// The problem in independent directions, the uniform one free.
 struct Directions {
-    /// Squares of how much is seen of each.
+    /// Squares of the response in each.
     strengths: Vec<f64>,
-    /// How much of what was seen lies along each.
+    /// Component of the measured numbers along each.
     seen: Vec<f64>,
-    /// The sum of squares of what lies along none.
+    /// The sum of squares of the rest.
     beyond: f64,
     freedom: f64,
 }
@@ -91,7 +93,8 @@ impl Problem {
         }
         let columns = &self.columns - &even * (self.columns.tr_mul(&even) / size).transpose();
         let seen = &self.seen - &even * (even.dot(&self.seen) / size);
-        // With the even map left open, anything may be asked of it, so that the penalty has an inverse.
+        // The uniform map is free, so any penalty may be added to it; with this one the penalty has
+        // an inverse.
         let penalty = self.penalty.add_scalar(1.0 / count as f64);
         let lower = penalty.cholesky()?.l();
         let half = lower.solve_lower_triangular(&columns.transpose())?;
@@ -109,12 +112,12 @@ impl Problem {
 }
 
 impl Directions {
-    /// Numbers that a map has beside its mean.
+    /// Effective number of parameters of a map in addition to its mean.
     fn numbers(&self, lambda: f64) -> f64 {
         self.strengths.iter().map(|strength| strength / (strength + lambda)).sum()
     }
 
-    /// Sum of squares of what the map leaves.
+    /// Sum of squared residuals of the map.
     fn left(&self, lambda: f64) -> f64 {
         let part = |(strength, seen): (&f64, &f64)| (lambda / (strength + lambda) * seen).powi(2);
         self.beyond + self.strengths.iter().zip(&self.seen).map(part).sum::<f64>()
@@ -125,7 +128,7 @@ impl Directions {
         self.left(lambda) / (self.freedom - self.numbers(lambda)).powi(2)
     }
 
-    /// What an even cell with noise would show.
+    /// The measurement of a simulated uniform cell with noise.
     fn even(&self, random: &mut Normal) -> Self {
         let seen: Vec<f64> = self.strengths.iter().map(|_| random.next()).collect();
         let others = (self.freedom as usize).saturating_sub(seen.len());

@@ -1,20 +1,20 @@
-//! What a reader of a map must know.
+//! Verdicts on a map.
 
 use super::TensionMap;
 use crate::mechanics::support::SupportKind;
 use crate::simulation::Simulation;
 
-/// Part of the cell that is doubtful, or held at no tension, from which on it is said.
+/// Smallest part of the cell that is doubtful, or has no tension, that is reported.
 const MUCH: f64 = 0.05;
-/// Standard deviation of a place over its tension from which on the place is doubtful, and part of the cell that is
-/// doubtful from which on there is no map.
+/// Standard deviation over tension above which a place is doubtful, and the part of the cell that
+/// may be doubtful before no map is shown.
 const DOUBTFUL: f64 = 0.5;
 const MOST: f64 = 0.5;
-/// Part of the misfit of an even tension that a map may leave without a word.
+/// Misfit of a map, as a part of that of a uniform tension, above which there is a warning.
 const LEFT: f64 = 0.7;
 
 impl TensionMap {
-    /// The size of what can be told in the middle one of all triangles, um.
+    /// Median of the resolutions of all triangles, um.
     pub fn resolution_um(&self) -> f64 {
         middle(&self.resolutions_um, 0.5)
     }
@@ -40,13 +40,13 @@ impl TensionMap {
         doubtful as f64 / doubts.len().max(1) as f64
     }
 
-    /// Whether it is known of most of the cell where it pulls; otherwise no map is shown, and
+    /// Whether the tension is known in most of the cell; otherwise no map is shown, and
     /// [`TensionMap::why_not_known`] says why.
     pub fn is_known(&self) -> bool {
         self.doubtful_part() <= MOST
     }
 
-    /// The sentence that takes the place of a map that is not known.
+    /// The text that replaces a map that is not known.
     pub fn why_not_known(&self) -> String {
         format!(
             "This film does not show where the cell pulls: in {:.0} % of the cell the standard deviation is above \
@@ -59,7 +59,7 @@ impl TensionMap {
         )
     }
 
-    /// What a reader must know of a map of this cell, in order of weight.
+    /// Verdicts on a map of this cell, the most important first.
     pub fn verdicts(&self, simulation: &Simulation) -> Vec<String> {
         let chance = self.chance_even;
         let mut words = Vec::new();
@@ -123,7 +123,7 @@ impl TensionMap {
     }
 }
 
-/// The value below which a part of all lies.
+/// A quantile of the values.
 fn middle(values: &[f64], part: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

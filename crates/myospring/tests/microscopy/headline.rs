@@ -80,12 +80,12 @@ fn a_frame_that_shows_nothing_of_the_cell_counts_for_no_contraction() {
     let mut motion = motion(wild);
     assert_ne!(motion.headline().measure, Measure::Length);
     motion.interpolated[3].fill(true);
-    assert!(!motion.seen_frames().contains(&3));
+    assert!(!motion.frames_with_cell().contains(&3));
     assert_eq!(motion.headline().measure, Measure::Length);
     let said = motion.doubts().join("; ");
     assert!(said.contains("1 of them") && said.contains("do not count"), "{said}");
     motion.interpolated.iter_mut().for_each(|frame| frame.fill(true));
-    assert_eq!(motion.seen_frames().len(), FRAMES);
+    assert_eq!(motion.frames_with_cell().len(), FRAMES);
 }
 
 #[test]

@@ -362,7 +362,7 @@ fn given_outlines_are_chosen_as_cells_are() {
     // One line an outline, pixels, y downward.
     let outlines = b"5,5,15,5,15,15,5,15\n20,10,50,10,50,30,20,30\n";
     let options = PictureOptions { pixel_size: Some(pixels_of(0.5)), ..PictureOptions::default() };
-    let cells = PictureCells::given(&png, outlines, "cells.txt", &options).unwrap();
+    let cells = PictureCells::with_outlines(&png, outlines, "cells.txt", &options).unwrap();
     let area = |choice| cells.cell(choice, false).map(|cell| cell.shape.area_um2);
     assert_eq!(area(Choice::Largest).unwrap(), 150.0);
     assert_eq!(area(Choice::Number(2)).unwrap(), 25.0);

@@ -43,7 +43,7 @@ impl AnalysedCurve {
     pub(super) fn remarks(&self) -> impl Iterator<Item = String> {
         let found = self.found.as_ref().ok();
         let of_curve = found.into_iter().flat_map(|found| found.remarks.iter().cloned());
-        // What is said of every beat in turn the remark on the curve has said.
+        // The remark on the curve already says what is said of every single beat.
         let said = ["alternans", "an artefact at", "artefacts at"];
         let beats = found.into_iter().flat_map(|found| &found.beats);
         let of_beats = beats.flat_map(move |beat| {

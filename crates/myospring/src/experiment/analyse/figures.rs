@@ -10,8 +10,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Letters of a figure's name at most: file systems take 255 bytes, a letter has up to four, and a number and an ending follow.
 const LONGEST_NAME: usize = 50;
 
-/// Names of the figures, one for each curve: its column's, with its file's where there are several files. No two are the same,
-/// not even to a file system that takes `A` for `a`.
+/// Names of the figures, one for each curve: its column, with its file where there are several
+/// files. No two are the same, even on a file system that ignores case.
 pub(super) fn names(all: &[AnalysedCurve]) -> Vec<String> {
     let several = all.iter().any(|read| read.file != all[0].file);
     let titles =

@@ -16,7 +16,8 @@ const DRAWN: usize = 40;
 /// Rows of a table of all curves or all beats, at most.
 const ROWS: usize = 1000;
 
-/// Metrics that a reader looks at first, by what they say: of whichever of the alternatives a curve has.
+/// The metrics that a reader looks at first; of the alternatives in a row, the one that the curve
+/// has.
 const KEY: [(&str, &[&str]); 6] = [
     ("interval", &["interval"]),
     (
@@ -130,7 +131,7 @@ fn facts(all: &[AnalysedCurve]) -> Vec<String> {
     facts
 }
 
-/// How many beats count, and of one curve how large they are.
+/// How many beats count and, for a single curve, how large they are.
 fn answer(all: &[AnalysedCurve], found: &[Found<'_>]) -> Answer {
     let beats: usize = found.iter().map(|Found { analysis, .. }| analysis.beats.len()).sum();
     let counted: usize = found.iter().map(|Found { analysis, .. }| analysis.counted().len()).sum();
@@ -244,7 +245,7 @@ fn curves(found: &[Found<'_>]) -> Section<'static> {
     }
 }
 
-/// The parts of the only curve, or those of each of several behind its name.
+/// The parts of the only curve, or those of each of several curves under its name.
 fn each(found: &[Found<'_>], part: impl Fn(&Analysis) -> Part<'static>) -> Vec<Part<'static>> {
     match found {
         [Found { analysis, .. }] => vec![part(analysis)],

@@ -74,7 +74,7 @@ pub fn means(analysis: &Analysis) -> Vec<Mean> {
             missing: metric.missing.filter(|_| shown == 0),
         });
     }
-    // Times on the clock differ by the interval: their mean says nothing.
+    // Times on the clock differ by the interval, so their mean has no meaning.
     means.retain(|mean| !mean.name.starts_with("time_of_"));
     means
 }

@@ -1,4 +1,4 @@
-//! What a batch keeps beside its table: overlays, and curves and figures of each cell.
+//! What a batch writes in addition to its table: overlays, and curves and figures of each cell.
 
 use crate::experiment::run::{Finished, RunNumbers, Style, resolved, write_figures, write_numbers};
 use crate::experiment::{Files, Folder, Inputs, Observer, overlay};
@@ -16,11 +16,11 @@ const CELLS: &str = "cells";
 /// Resolution of the overlays, dots per inch.
 const DPI: f64 = 150.0;
 
-/// Where it is kept.
+/// Where it is written.
 pub(super) struct Kept<'a> {
     /// Whether each cell gets a folder of curves and figures.
     pub(super) figures: bool,
-    /// Of the folder of the results; without one nothing is kept.
+    /// That of the folder of the results; without one nothing is written.
     pub(super) manifest: Option<&'a Manifest>,
     pub(super) files: &'a Files,
     pub(super) observer: &'a dyn Observer,
@@ -73,7 +73,7 @@ impl Keeper for Kept<'_> {
             RunNumbers { summary, fibres: Some(fibres.report()), integration: finished.effort };
         let stimuli = run.stimulus_times();
         write_numbers(&folder, run, simulation, fibres, finished, &numbers)?;
-        // Pictures stay where they are, and the run file names them as seen from its folder.
+        // Pictures are not copied; the run file names them relative to its folder.
         let mut inputs = Inputs::default();
         for path in run.to_run_file().paths_mut() {
             inputs.stays(path, &manifest.folder().join(&place));
@@ -89,7 +89,7 @@ impl Keeper for Kept<'_> {
                 simulation,
                 outline,
                 fibres,
-                // The overlay of the whole picture stands beside.
+                // The overlay of the whole picture is written separately.
                 picture: None,
                 outcome: finished,
                 numbers: &numbers,
@@ -109,8 +109,8 @@ pub(super) fn thumbnail(picture: &str, cell: &str) -> String {
     format!("{THUMBNAILS}/{}_{}.png", own(picture), cell.replace('/', "_"))
 }
 
-/// A name within the results, without ending, that no other picture has: `a/b.tif` gives `a/b_tif`, for there may be
-/// an `a/b.png`; `../b.tif` gives `up/b_tif`.
+/// A name within the results, without ending, that no other picture has: `a/b.tif` gives `a/b_tif`,
+/// since there may be an `a/b.png`; `../b.tif` gives `up/b_tif`.
 fn own(name: &str) -> String {
     let parts = Path::new(name).components().filter_map(|part| match part {
         Component::Normal(part) => Some(part.to_string_lossy().into_owned()),

@@ -53,7 +53,7 @@ impl Pictures {
         }
     }
 
-    /// The pictures, and what there is to say about them; those below `but` are passed over.
+    /// The pictures and the notes on them; those within `but` are skipped.
     pub(super) fn find(
         &self,
         but: Option<&Path>,
@@ -157,8 +157,8 @@ fn unread(files: &[PathBuf]) -> Option<String> {
     Some(format!("not read: {} (a {advice})", kinds.join(", ")))
 }
 
-/// Every file in a folder and all folders in it, sorted, without what is hidden, without one folder and without
-/// results, whose figures are no pictures of cells.
+/// Every file in a folder and all folders in it, sorted, without hidden files, without one folder,
+/// and without results, whose figures are not pictures of cells.
 fn within(folder: &Path, but: Option<&Path>) -> Result<Vec<PathBuf>, ExperimentError> {
     let but = but.and_then(|but| std::path::absolute(but).ok());
     let mut found = Vec::new();

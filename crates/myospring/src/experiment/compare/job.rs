@@ -1,4 +1,4 @@
-//! What is to be compared: every input as it is, then with each set of factors, then at each dose.
+//! What is compared: every input unchanged, then with each set of factors, then at each dose.
 
 use super::side::{RUN_FILE, Side, check_folder, of_folder};
 use crate::compare::dose::{self, Dose};
@@ -13,13 +13,13 @@ use crate::study::sha256;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// What a whole run counts: progress is told in per mille of all runs.
+/// Steps of progress per run: progress is in per mille of all runs.
 const WHOLE: f64 = 1000.0;
 
 /// Compares runs.
 #[derive(Default)]
 pub struct Compare {
-    /// What is compared; the built-in cell without any.
+    /// Inputs; if empty, the built-in cell.
     pub inputs: Vec<Source>,
     /// Settings that override those of the inputs.
     pub settings: Vec<ChosenSetting>,
@@ -29,7 +29,7 @@ pub struct Compare {
     pub doses: Vec<Dose>,
     /// Runs at a time; one for each core unless given.
     pub threads: Option<usize>,
-    /// Where the results go, if that is known: files are named as seen from there.
+    /// Where the results go, if known; files are named relative to it.
     pub results: Option<PathBuf>,
 }
 
@@ -37,11 +37,11 @@ pub struct Compare {
 pub enum Source {
     /// A run file, a picture, an outline or a folder of results.
     Path(PathBuf),
-    /// A run that is there.
+    /// A run that was simulated before.
     Run(Box<Side>),
 }
 
-/// A run to be.
+/// A run that is still to be simulated.
 pub(super) struct Job {
     label: String,
     what: What,
@@ -55,13 +55,13 @@ enum What {
     Path(Option<PathBuf>, Vec<ChosenSetting>),
     /// A folder of results.
     Results(PathBuf),
-    /// A run that is there.
+    /// A run that was simulated before.
     There(Box<Side>),
-    /// The settings of one, to be run anew.
+    /// The settings of such a run, to be simulated again.
     Settings(Box<RunFile>),
 }
 
-/// Passes on how much of all runs is done.
+/// Reports how much of all runs is done.
 pub(super) struct Meter<'a> {
     pub(super) observer: &'a dyn Observer,
     runs: usize,
@@ -151,7 +151,7 @@ impl Compare {
         Ok(jobs)
     }
 
-    /// The name of an input, what it is, and what it is when it is run anew.
+    /// The name of an input, what it is, and what it is when it is simulated again.
     fn what(
         &self,
         source: Option<&Source>,
@@ -200,7 +200,7 @@ impl Job {
         }
     }
 
-    /// The run that is to be beaten, with its factors.
+    /// The run to be simulated, with its factors.
     fn run(
         &self,
         files: &Files,
@@ -225,7 +225,7 @@ impl Job {
         Ok((name, run, scaled))
     }
 
-    /// Reads the results or beats the cell.
+    /// Reads the results or simulates the cell.
     pub(super) fn side(self, files: &Files, meter: &Meter<'_>) -> Result<Side, ExperimentError> {
         let side = match &self.what {
             What::There(side) => Ok(Side { label: self.label.clone(), ..(**side).clone() }),
@@ -250,14 +250,14 @@ impl Job {
         let Input { mut run, bytes, shaped, .. } = input::mesh(name, run, None, files)?;
         let mut made = run.make(shaped, |file| files.bytes(file))?;
         run.fibre = made.fibres.taken;
-        // One thread each: the runs go side by side.
+        // One thread each, since several runs are computed at the same time.
         made.simulation.numerics.engine.threads = 1;
         let mut done = 0.0;
         let outcome = made.simulation.clone().build()?.run(|progress| {
             let now = (progress.time / progress.duration.max(1e-9)).min(1.0);
             meter.add(now - done);
             done = now;
-            !interruption.is_asked()
+            !interruption.is_requested()
         });
         meter.add(1.0 - done);
         let shape = sha256(&bytes.shape);

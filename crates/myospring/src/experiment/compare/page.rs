@@ -68,7 +68,7 @@ pub(super) fn write(
     let page = Page {
         kind: "Beats compared by Myospring",
         title: &title,
-        // The legend has the names.
+        // The legend names the runs.
         facts: Vec::new(),
         answer: None,
         warnings: warnings.iter().cloned().chain(runs.warnings()).collect(),

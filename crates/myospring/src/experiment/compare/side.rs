@@ -20,14 +20,14 @@ use crate::simulation::Outcome as Simulated;
 use crate::study::sha256;
 use std::path::Path;
 
-/// What a result folder has to hold.
+/// The file that a result folder must have.
 const CURVES: &str = "traces.csv";
 pub(super) const RUN_FILE: &str = "run.toml";
 const RECORD: &str = "run.json";
-/// What it may hold beside them.
+/// The file that it may have in addition.
 const FRAMES: &str = "frames.npz";
 
-/// A run that is there.
+/// A run that is compared.
 #[derive(Clone)]
 pub struct Side {
     /// What it is called.
@@ -36,13 +36,13 @@ pub struct Side {
     pub source: String,
     /// Every setting.
     pub file: RunFile,
-    /// To the digits of `traces.csv`, wherever it comes from, so that equal runs are equal.
+    /// Rounded to the digits of `traces.csv`, whatever its source, so that equal runs are equal.
     pub recording: Recording,
     /// When stimuli fell, ms.
     pub stimuli: Vec<f64>,
     /// The last of them where that is an extra one, S2, ms.
     pub s2_ms: Option<f64>,
-    /// Its run on its mesh, for the report; `None` where it cannot be meshed as it was.
+    /// The run on its mesh, for the report; `None` if it cannot be meshed as in its run.
     pub(super) shown: Option<Shown>,
     /// Rings of the outline at rest and at peak.
     pub(super) cell: Option<[Vec<Vec<[f64; 2]>>; 2]>,
@@ -141,7 +141,7 @@ pub fn check_folder(folder: &Path, files: &Files) -> Result<(), ExperimentError>
             .try_for_each(check)
             .map_err(|error| ExperimentError::new(error).advise(advice));
     }
-    // Written before there were manifests, or copied without it: what run.json knows.
+    // Written before manifests existed, or copied without one: `run.json` has the hashes.
     let record = record(folder);
     match record["run_file_sha256"].as_str() {
         Some(hash) if hash != sha256(read(&file)?.as_bytes()) => {
@@ -161,7 +161,7 @@ fn record(folder: &Path) -> serde_json::Value {
     serde_json::from_str(&text).unwrap_or_default()
 }
 
-/// What to say where runs name one picture, but it was another then.
+/// The message for runs that name the same picture if its content differed between them.
 pub(super) fn other_pictures(sides: &[Side], files: &[&RunFile]) -> Option<String> {
     let file = |at: usize| {
         ["shape.picture", "shape.outline"].into_iter().find_map(|key| files[at].get(key).cloned())
@@ -180,7 +180,7 @@ pub(super) fn other_pictures(sides: &[Side], files: &[&RunFile]) -> Option<Strin
     ))
 }
 
-/// Reads the results of a folder; `beat` runs them anew, where they hold no frames.
+/// Reads the results of a folder; `beat` simulates them again where they have no frames.
 pub(super) fn of_folder(
     label: &str,
     folder: &Path,
@@ -200,14 +200,14 @@ pub(super) fn of_folder(
     let cell = match frames_of(folder, files) {
         Some(kept) => {
             recording.frames = kept.frames;
-            // Meshed again, where what it was made of is still there and gives the same.
+            // Meshed again, if its input files still exist and give the same mesh.
             let (_, again) = settled()?;
             let same = |made: &MeshedRun| made.simulation.mesh.points == kept.mesh.points;
             shown = meshed(&again, files).filter(same).map(|made| Shown::of(again, &made));
             outline_of(kept.rings)
                 .and_then(|outline| shapes(&kept.mesh, &outline, &recording, &stimuli))
         }
-        // Beaten again for its shapes, which are its own where the curves are.
+        // Simulated again for its shapes; they are valid if the curves are the same.
         None => match beat() {
             Ok(again) if csv::traces(&again.recording).is_ok_and(|traces| traces == text) => {
                 shown = again.shown;
@@ -241,7 +241,7 @@ pub(super) fn of_folder(
     })
 }
 
-/// What is not known of results in a folder.
+/// What could not be checked in a folder of results.
 fn doubts(folder: &Path, is_drawn: bool) -> Vec<String> {
     let mut doubts = Vec::new();
     if !is_drawn {

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// A curve by its name, or why it cannot be read.
 pub(super) type Named = (String, Result<Curve, ExperimentError>);
 
-/// The curves of a table that are fitted, one of each cell, and what was assumed of it.
+/// The curves of a table that are fitted, one for each cell, and the assumptions.
 pub fn of_table(table: Table, options: &TableOptions) -> (Vec<Curve>, Vec<String>) {
     let Table { curves, mut notes, .. } = table;
     if !options.values.is_empty() || options.kind.is_some() {
@@ -22,8 +22,8 @@ pub fn of_table(table: Table, options: &TableOptions) -> (Vec<Curve>, Vec<String
     (curves, notes)
 }
 
-/// The curves of files and folders, and what was assumed of them. Of several files one that cannot be read is a cell that
-/// cannot be fitted.
+/// The curves of files and folders, and the assumptions. If one of several files cannot be read, it
+/// counts as a cell that cannot be fitted.
 pub(super) fn of_tables(
     paths: &[PathBuf],
     options: &TableOptions,

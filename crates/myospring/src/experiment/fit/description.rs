@@ -4,7 +4,7 @@ use super::curves::EndSprings;
 use crate::experiment::BeatOptions;
 use crate::experiment::input::ChosenSetting;
 use crate::experiment::refused::Place;
-use crate::fit::Sought;
+use crate::fit::FitOptions;
 use crate::measured::TableOptions;
 use std::path::PathBuf;
 
@@ -17,16 +17,17 @@ pub struct FitCell {
     pub to: Vec<PathBuf>,
     /// Settings, which override those of a run file.
     pub settings: Vec<ChosenSetting>,
-    /// How tables are read; of a film its frame rate, its curve (`values`) and the part that counts.
+    /// How tables are read; for a film its frame rate, its curve (`values`) and the part that
+    /// counts.
     pub table: TableOptions,
     /// When the cell was stimulated.
     pub beats: BeatOptions,
     /// Curves of the same cell between springs.
     pub loaded: Vec<EndSprings>,
-    /// What is sought.
-    pub sought: Sought,
+    /// Which numbers are fitted.
+    pub sought: FitOptions,
     /// Threads of the fits; `None` takes as many as there are cores.
     pub threads: Option<usize>,
-    /// Where the overlay of a picture goes that gives no cell.
+    /// Where the overlay of a picture goes in which no cell is accepted.
     pub refused: Option<Place>,
 }

@@ -29,10 +29,10 @@ pub(super) struct Record<'a> {
     fit: Option<&'a Fit>,
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<String>,
-    /// Of a film: the measured and the fitted cell at their peak.
+    /// For a film: the measured and the fitted cell at their peak.
     #[serde(skip_serializing_if = "Option::is_none")]
     shapes: Option<shapes::Record<'a>>,
-    /// Of a film: where the cell pulls.
+    /// For a film: where the cell pulls.
     #[serde(skip_serializing_if = "Option::is_none")]
     tension_map: Option<tension_map::TensionMapRecord<'a>>,
     notes: &'a [String],
@@ -55,7 +55,7 @@ pub(super) fn records<'a>(fits: &'a Fits) -> Vec<Record<'a>> {
     fits.cells.iter().map(record).collect()
 }
 
-/// Writes what is to be written of all cells.
+/// Writes the files of all cells.
 pub(super) fn write(
     folder: &Folder,
     fits: &Fits,
@@ -85,7 +85,7 @@ pub(super) fn write(
 }
 
 impl Shared<'_> {
-    /// Writes the files of a cell, of several in a folder of its own.
+    /// Writes the files of one cell; each of several cells has its own folder.
     fn write(
         &self,
         folder: &Folder,

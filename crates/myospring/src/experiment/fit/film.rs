@@ -40,7 +40,7 @@ pub struct FollowedFilm {
 }
 
 impl FitCell {
-    /// The film among what is fitted to, if it is one: the only file, or the only thing that was given.
+    /// The film that is fitted to, if there is one: the only file in `to`, or `cell`.
     pub(super) fn film(&self) -> Result<Option<&Path>, ExperimentError> {
         let is_film = |path: &&PathBuf| !is_of_tables(path);
         match (self.to.as_slice(), &self.cell) {
@@ -84,12 +84,12 @@ impl FitCell {
 }
 
 impl FollowedFilm {
-    /// What a reader of its curve must know.
+    /// Warnings about its curve.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// Its curve, the part that counts.
+    /// Its curve, only the part that counts.
     pub(super) fn named(&self, table: &TableOptions) -> Result<Named, ExperimentError> {
         let curve = self.curve(&table.values)?;
         let curve = curve.part(table.from_ms, table.until_ms).map_err(ExperimentError::new)?;
@@ -123,7 +123,8 @@ impl FollowedFilm {
         (name, self.followed.run.clone(), self.followed.shaped.clone())
     }
 
-    /// Writes what was followed; a run of the film's own cell then has the shape of its frame at rest.
+    /// Writes the tracked film; a run of the film's own cell then has the shape of its frame at
+    /// rest.
     pub(super) fn write(
         &self,
         folder: &Folder,

@@ -1,4 +1,4 @@
-//! What comes of fits, and what they work on.
+//! Fits and their inputs.
 
 use super::curves::Named;
 use super::film::FollowedFilm;
@@ -35,7 +35,7 @@ pub struct FittedCell {
     pub found: Result<crate::fit::Fit, ExperimentError>,
 }
 
-/// What came of fits.
+/// The result of fits.
 pub struct Fits {
     /// Name of the cell's shape.
     pub name: String,
@@ -45,9 +45,9 @@ pub struct Fits {
     pub film: Option<FollowedFilm>,
     /// Where the film's cell pulls.
     pub map: Option<FilmMap>,
-    /// The film's cell and the fitted one at their peak.
+    /// The shapes of the film's cell and of the fitted one at their peak.
     pub shapes: Option<Shapes>,
-    /// What was assumed, and what was odd when files were read.
+    /// Assumptions and remarks from reading the files.
     pub notes: Vec<String>,
     pub(super) work: Option<Work>,
 }

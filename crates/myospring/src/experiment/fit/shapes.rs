@@ -1,4 +1,4 @@
-//! The cell of a film beside the fitted one, both at their peak.
+//! The cell of a film compared with the fitted one, both at their peak.
 
 use super::simulation::simulation;
 use crate::experiment::track::Followed;
@@ -13,18 +13,18 @@ use crate::tension_map::{ObservedPeak, PeakShapes};
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Both shapes, um, the fitted one shifted and turned as a whole to where it is nearest to the measured one.
+/// Both shapes, um; the fitted one is shifted and rotated as a whole to fit the measured one best.
 pub struct Shapes {
     followed: Arc<Followed>,
     /// Of the film.
     frames: Vec<usize>,
-    /// Both, and how far apart they are.
+    /// Both, and the distance between them.
     pub peak: PeakShapes,
     /// Strain along the fibre at each point, %: measured, fitted.
     strains: [Vec<f64>; 2],
 }
 
-/// What is said of them in `fit.json`.
+/// Their entry in `fit.json`.
 #[derive(Serialize)]
 pub(super) struct Record<'a> {
     /// Of the film.
@@ -37,7 +37,7 @@ pub(super) struct Record<'a> {
 }
 
 impl Shapes {
-    /// `None` where the fitted cell makes no beat.
+    /// `None` if the fitted cell does not beat.
     pub(super) fn of(
         followed: Arc<Followed>,
         fitter: &Fitter,
@@ -71,7 +71,7 @@ impl Shapes {
         }
     }
 
-    /// In a line.
+    /// One line for people.
     pub fn words(&self) -> String {
         let record = self.record();
         format!(
@@ -84,7 +84,7 @@ impl Shapes {
         )
     }
 
-    /// Both cells coloured by the strain along the fibres, and how far apart they are.
+    /// Both cells coloured by the strain along the fibres, and the distance between them.
     ///
     /// # Errors
     /// A cell that cannot be drawn.
@@ -119,8 +119,8 @@ impl Shapes {
     }
 }
 
-/// The share of the points at each end whose colour is that of the end: few points that were followed badly leave the
-/// others their colours.
+/// The share of points at each end of the range that get the end's colour, so that a few badly
+/// tracked points do not change the scale.
 const BEYOND: f64 = 0.01;
 
 /// Least and greatest of all strains but the outermost, with 0.

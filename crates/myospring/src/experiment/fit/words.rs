@@ -15,7 +15,7 @@ pub fn estimates(fit: &Fit) -> Vec<[String; 4]> {
     fit.estimates.iter().map(row).collect()
 }
 
-/// Whether the cell follows its curves, before any number.
+/// Whether the model fits the curves; comes before any number.
 pub fn headline(fit: &Fit) -> String {
     format!("The model {}.", fit.verdict.words())
 }
@@ -50,7 +50,7 @@ fn interval(estimate: &Estimate, of: FitVerdict) -> String {
     }
 }
 
-/// As many digits as the interval is worth, and one more.
+/// A number with one digit more than its interval justifies.
 pub fn precise(value: f64, estimate: &Estimate) -> String {
     let width = match estimate.interval {
         [Some(low), Some(high)] if high > low => high - low,

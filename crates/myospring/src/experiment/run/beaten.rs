@@ -1,4 +1,4 @@
-//! What came of a run.
+//! A finished run.
 
 use super::record::Timings;
 use crate::experiment::Files;
@@ -7,11 +7,11 @@ use crate::settings::{FibreReport, MeshedRun, Run};
 use crate::simulation::{Effort, Outcome};
 use serde::Serialize;
 
-/// A cell that has beaten, to its end or until something stopped it.
+/// A finished run, complete or stopped early.
 pub struct FinishedRun {
     /// Name of the results, for people.
     pub name: String,
-    /// What was asked for, with the fibres that were taken.
+    /// The settings, with the fibres that were used.
     pub run: Run,
     /// Hash of the file that holds the shape.
     pub shape_sha256: String,
@@ -35,12 +35,13 @@ pub struct RunNumbers<'a> {
     /// Of a picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fibres: Option<FibreReport>,
-    /// What the run took.
+    /// The work that the run took.
     pub integration: Effort,
 }
 
 impl FinishedRun {
-    /// A run that was made and has ended; `warnings` are all that there are, `files` reads those that it names.
+    /// A run from its outcome; `warnings` are all of its warnings, `files` reads the files that it
+    /// names.
     pub fn of(
         name: String,
         run: Run,

@@ -1,4 +1,4 @@
-//! Films of a beat: GIF by ourselves, MP4 by ffmpeg where there is one.
+//! Films of a beat: GIF, and MP4 by ffmpeg where it is installed.
 
 use super::finished::Finished;
 use crate::experiment::{ExperimentError, Folder};
@@ -49,10 +49,12 @@ pub(super) fn mp4(folder: &Folder, finished: &Finished<'_>) -> Result<(), Experi
         );
         return Ok(());
     }
-    each(finished, |name, film| folder.made(&format!("{name}.mp4"), |path| encode(film, path)))
+    each(finished, |name, film| {
+        folder.write_with(&format!("{name}.mp4"), |path| encode(film, path))
+    })
 }
 
-/// Lets ffmpeg make a film at a path.
+/// Encodes a film with ffmpeg and writes it to a path.
 fn encode(film: &BeatFilm<'_>, path: &Path) -> Result<(), ExperimentError> {
     let frames: Result<Vec<_>, FigureError> =
         (0..film.len()).into_par_iter().map(|index| film.pixels(index, VIDEO_SCALE)).collect();
@@ -63,7 +65,7 @@ fn encode(film: &BeatFilm<'_>, path: &Path) -> Result<(), ExperimentError> {
         .args(["-y", "-loglevel", "error", "-f", "rawvideo", "-pixel_format", "rgb24"])
         .args(["-video_size", &format!("{width}x{height}")])
         .args(["-framerate", &FRAMES_PER_SECOND.to_string(), "-i", "-"])
-        // What all players show, from the first byte on.
+        // Formats that all players show, from the first byte on.
         .args(["-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4"])
         .arg(path)
         .stdin(Stdio::piped())
@@ -78,13 +80,13 @@ fn encode(film: &BeatFilm<'_>, path: &Path) -> Result<(), ExperimentError> {
     let done = ffmpeg.wait_with_output().map_err(|error| failed(&error.to_string()))?;
     if !done.status.success() {
         let said = String::from_utf8_lossy(&done.stderr);
-        // A line that ends in `--` announces a reason and has none.
+        // A line that ends in `--` announces a reason that does not follow.
         let tells = |line: &str| !line.is_empty() && !line.ends_with("--");
         let last = said.lines().map(str::trim).rfind(|line| tells(line));
         return Err(failed(last.unwrap_or("it says nothing more")));
     }
     match written {
-        // It had all it wanted.
+        // ffmpeg had read all that it needed.
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(failed(&error.to_string())),
         _ => Ok(()),
     }

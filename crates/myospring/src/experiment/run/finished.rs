@@ -1,4 +1,4 @@
-//! A run that is over, with all that its outputs are made from.
+//! A finished run, with all that its outputs are made from.
 
 use super::beaten::RunNumbers;
 use crate::experiment::{Inputs, Observer};
@@ -18,17 +18,17 @@ pub struct Style {
     pub theme: Theme,
 }
 
-/// A run that is over, with all that an output may be made from.
+/// A finished run, with all that an output may be made from.
 pub(crate) struct Finished<'a> {
     /// Name of the results, for people.
     pub(crate) name: &'a str,
     pub(crate) run: &'a Run,
-    /// With the mesh at rest.
+    /// The simulation, with the mesh at rest.
     pub(crate) simulation: &'a Simulation,
     /// The outline at rest, um.
     pub(crate) outline: &'a Outline,
     pub(crate) fibres: &'a Fibres,
-    /// The picture with its cells, and the one that beat.
+    /// The picture with its cells, and the simulated one.
     pub(crate) picture: Option<&'a (PictureCells, PictureCell)>,
     pub(crate) outcome: &'a Outcome,
     pub(crate) numbers: &'a RunNumbers<'a>,

@@ -1,4 +1,5 @@
-//! What a run leaves beside its curves and numbers: one row for each output, chosen by its word.
+//! The outputs of a run in addition to its curves and numbers: one row for each, chosen by its
+//! word.
 
 use super::finished::Finished;
 use super::{figures, film, page};
@@ -22,15 +23,16 @@ pub struct Output {
     pub about: &'static str,
     /// The file that people open, if they open one.
     look: Option<&'static str>,
-    /// Whether it is written unless others are asked for.
+    /// Whether it is written by default.
     pub by_default: bool,
-    /// Whether it is drawn from curves and shapes; that is left out where the program was interrupted and would take long
-    /// to end.
+    /// Whether it is drawn from curves and shapes. Such outputs are left out if the program was
+    /// interrupted and they would take long.
     is_drawn: bool,
     write: fn(&Folder, &Finished<'_>) -> Result<(), ExperimentError>,
 }
 
-/// In the order in which they are written; people are told to open the first that has something to open.
+/// The outputs in the order in which they are written; people are asked to open the first that can
+/// be opened.
 pub const OUTPUTS: [Output; 6] = [
     Output {
         word: "report",
@@ -100,17 +102,17 @@ pub fn chosen(words: Option<&[String]>) -> Result<Vec<&'static Output>, Experime
     Ok(OUTPUTS.iter().filter(|output| named(output.word) || named(ALL)).collect())
 }
 
-/// What an output took.
+/// Time and size of an output.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Written {
     seconds: f64,
     bytes: u64,
-    /// Why it is not there.
+    /// Why it was not written.
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
 }
 
-/// What became of the outputs of a run.
+/// The results of all outputs of a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct WrittenOutputs(BTreeMap<&'static str, Written>);
@@ -144,8 +146,8 @@ impl WrittenOutputs {
     }
 }
 
-/// Writes outputs one after the other. One that fails leaves no file of its own, takes nothing from the others, and
-/// stands in the record with the reason.
+/// Writes outputs one after the other. One that fails leaves no file, does not affect the others,
+/// and is recorded with the reason.
 pub(super) fn write(
     folder: &Folder,
     outputs: &[&Output],

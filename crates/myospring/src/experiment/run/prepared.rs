@@ -12,30 +12,31 @@ use crate::simulation::{Effort, Ready};
 use crate::study::sha256;
 use std::time::Instant;
 
-/// Beats one cell.
+/// Simulates one cell.
 pub struct BeatCell {
     /// Name of the results, for people.
     pub name: String,
     /// The settings.
     pub run: Run,
-    /// Threads that move the masses, on which no number depends; `None` takes a core for every 8000 masses, as far as
-    /// there are cores.
+    /// Threads that move the masses; results do not depend on it. `None` uses one core for every
+    /// 8000 masses, at most all cores.
     pub threads: Option<usize>,
     /// Where an overlay goes that shows why a picture gives no cell.
     pub refused: Option<Place>,
 }
 
-/// A run whose cell is meshed and whose time step is chosen, or whose path of equilibria is solved.
+/// A run that is ready: its cell is meshed, and its time step is chosen or its path of equilibria
+/// solved.
 pub struct PreparedRun {
     name: String,
-    /// The settings, with the fibres that were taken.
+    /// The settings, with the fibres that were used.
     pub run: Run,
     shape_sha256: String,
     /// The cell on its mesh.
     pub made: MeshedRun,
-    /// What beats.
+    /// The prepared simulation.
     pub ready: Ready,
-    /// What a person should know before it beats.
+    /// Warnings that are known before the simulation.
     pub warnings: Vec<String>,
     timings: Timings,
     files: Files,
@@ -87,7 +88,7 @@ impl PreparedRun {
         start: Instant,
     ) -> Result<Self, ExperimentError> {
         let mut made = run.make(shaped, |file| files.bytes(file))?;
-        // What repeats the run is what was taken.
+        // The fibres that were used repeat the run.
         run.fibre = made.fibres.taken;
         let mut timings = Timings { mesh_s: start.elapsed().as_secs_f64(), ..Timings::default() };
         let stage = Instant::now();
@@ -101,9 +102,9 @@ impl PreparedRun {
         Ok(Self { name, run, shape_sha256, made, ready, warnings, timings, files: files.clone() })
     }
 
-    /// What the run would do; its first interval is done for that.
+    /// What the run would do; its first interval is computed to estimate the time.
     pub fn plan(&self) -> RunPlan {
-        // The first interval of output tells how long the rest of a motion will take; a path is solved.
+        // The first output interval gives the time of a run in time; a path is already solved.
         let start = Instant::now();
         let first = self.ready.run(|progress| progress.time <= 0.0);
         let (duration, numerics) = (self.run.duration, &self.run.numerics);
@@ -126,7 +127,8 @@ impl PreparedRun {
         RunPlan { effort, spring_updates, estimated_s }
     }
 
-    /// Beats the cell. An interruption or a fault ends the beat early; what was computed up to there is the outcome.
+    /// Simulates the cell. An interruption or an error ends the run early; the outcome then has
+    /// what was computed.
     pub fn beat(self, observer: &dyn Observer) -> FinishedRun {
         let start = Instant::now();
         let Self { name, run, shape_sha256, made, ready, mut warnings, mut timings, files } = self;

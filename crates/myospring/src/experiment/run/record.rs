@@ -1,4 +1,4 @@
-//! run.json and run.toml: what a run was, and what repeats it.
+//! run.json and run.toml: the record of a run, and the file that repeats it.
 
 use crate::experiment::Inputs;
 use crate::settings::Run;
@@ -35,14 +35,14 @@ pub struct Stop<'a> {
 }
 
 impl<'a> Stop<'a> {
-    /// Of a run that is over; `None` if it came to its end.
+    /// The stop of a finished run; `None` if it is complete.
     pub fn of(outcome: &'a Outcome) -> Option<Self> {
         outcome.stop.as_ref().map(|reason| Self { reason, message: reason.to_string() })
     }
 }
 
-/// The run file that repeats this run: spacing and time step spelled out, files named from where it stands, `up` from
-/// which leads to the top of the results.
+/// The run file that repeats this run: spacing and time step are explicit, and files are named
+/// relative to its place, from which `up` leads to the top of the results.
 pub fn resolved(
     run: &Run,
     (inputs, up): (&Inputs, &str),

@@ -1,4 +1,4 @@
-//! What a run leaves in its folder.
+//! The files of a run.
 
 use super::beaten::{FinishedRun, RunNumbers};
 use super::finished::{Finished, Style};
@@ -24,20 +24,20 @@ struct Record<'a> {
     stop: Option<Stop<'a>>,
     #[serde(flatten)]
     effort: Effort,
-    /// What moved the masses, where they were moved in time.
+    /// The engine of a run in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     engine: Option<EngineUsed>,
     machine_threads: usize,
     timings: Timings,
-    /// What the outputs took; empty as long as none is made.
+    /// Time and size of the outputs; empty until they are written.
     outputs: &'a WrittenOutputs,
 }
 
-/// What was written beside curves and numbers.
+/// What was written in addition to curves and numbers.
 pub struct SavedRun {
-    /// What became of each output.
+    /// The result of each output.
     pub written: WrittenOutputs,
-    /// Whether `run.json` tells of it.
+    /// Whether `run.json` lists the outputs.
     pub recorded: Result<(), ExperimentError>,
     /// Where the time went.
     pub timings: Timings,
@@ -58,7 +58,8 @@ pub(in crate::experiment) fn write_numbers(
 }
 
 impl FinishedRun {
-    /// Writes curves, numbers and the record, then these outputs. An output that fails costs no other.
+    /// Writes curves, numbers and the record, then these outputs. An output that fails does not
+    /// affect the others.
     ///
     /// # Errors
     /// Curves or numbers that cannot be written.
@@ -94,7 +95,7 @@ impl FinishedRun {
                 outputs,
             })
         };
-        // From here on there is a whole result, whatever becomes of the outputs.
+        // From here on the result is complete, even if outputs fail.
         folder.write("run.json", record(self.timings, &WrittenOutputs::default())?)?;
         let finished = Finished {
             name: &self.name,
@@ -114,7 +115,7 @@ impl FinishedRun {
         let mut timings = self.timings;
         timings.outputs_s = start.elapsed().as_secs_f64();
         timings.total_s += timings.outputs_s;
-        // On a full disk the one without outputs stays.
+        // On a full disk the record without outputs stays.
         let recorded = folder.write("run.json", record(timings, &written)?);
         Ok(SavedRun { written, recorded, timings })
     }
@@ -145,7 +146,7 @@ impl Outcome for FinishedRun {
         self.summary.warnings.clone()
     }
 
-    /// With the outputs that are written unless others are asked for.
+    /// Saves with the default outputs.
     fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
         self.write_all(folder, &outputs::chosen(None)?, observer)
     }

@@ -1,4 +1,4 @@
-//! How far a run has come, and what its parts take.
+//! Progress of a run, and the time of its parts.
 
 use super::record::Timings;
 use crate::experiment::Observer;
@@ -6,7 +6,7 @@ use crate::interruption::Interruption;
 use crate::simulation::{self, Outcome, Progress, Ready, RunPart};
 use std::time::Instant;
 
-/// Runs, tells how far it has come, and measures what the parts take.
+/// Runs the simulation, reports progress, and measures the time of its parts.
 pub(super) fn beat(
     ready: &Ready,
     duration: f64,
@@ -21,12 +21,12 @@ pub(super) fn beat(
     outcome
 }
 
-/// Tells how far a run has come and adds up what its parts take.
+/// Reports the progress of a run and adds up the time of its parts.
 struct Watch<'a> {
     observer: &'a dyn Observer,
     interruption: Interruption,
     timings: &'a mut Timings,
-    /// What the run is at, and since when.
+    /// The current part, and when it began.
     at: Option<(RunPart, Instant)>,
 }
 
@@ -48,7 +48,7 @@ impl Watch<'_> {
 impl simulation::RunObserver for Watch<'_> {
     fn sample(&mut self, Progress { time, .. }: Progress) -> bool {
         self.observer.reached(time as u64);
-        !self.interruption.is_asked()
+        !self.interruption.is_requested()
     }
 
     fn begins(&mut self, part: RunPart) {

@@ -16,13 +16,13 @@ pub struct SegmentReport<'a> {
     /// The picture, as it was named.
     pub picture: &'a str,
     modality: &'static str,
-    /// Why it was taken for that, where nobody said it.
+    /// Why the modality was chosen, if it was not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     modality_reason: Option<&'a str>,
     pixel_size_um: f64,
     pixel_size_source: &'static str,
     threshold: Option<f64>,
-    /// Why none of the cells is taken.
+    /// Why none of the cells is accepted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(in crate::experiment) refused: Option<&'a str>,
     /// The cells that were chosen.
@@ -38,14 +38,14 @@ pub struct CellReport<'a> {
     pub number: u32,
     /// Its name: its number, or the label or name that a file gives.
     pub name: &'a str,
-    /// How sure its outline is.
+    /// The confidence of its outline.
     pub confidence: &'a Confidence,
     /// Its size and shape.
     #[serde(flatten)]
     pub shape: &'a ShapeReport,
-    /// Its lattice, where its pixels give one.
+    /// Its lattice, if its pixels give one.
     pub lattice: Option<LatticeReport>,
-    /// Its fibres, where they were looked for.
+    /// Its fibres, if they were searched.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fibres: Option<FibreReport>,
 }
@@ -63,7 +63,7 @@ pub struct LatticeReport {
     pub triangles: usize,
 }
 
-/// A cell that was asked for with all others, but cannot be had.
+/// A cell that was requested with all others but is not accepted.
 #[derive(Serialize)]
 pub struct LeftOut {
     /// Its number by size, from 1.
@@ -75,13 +75,13 @@ pub struct LeftOut {
     pub cut: bool,
 }
 
-/// A cell with its lattice, where the pixels give one, and the fibres on it, where they were looked for.
+/// A cell with its lattice, if its pixels give one, and the fibres on it, if they were searched.
 pub struct Chosen {
     /// The cell.
     pub cell: PictureCell,
     /// Its lattice, or why there is none.
     pub lattice: Result<(Mesh, MeshReport), ShapeError>,
-    /// Its fibres, where they were looked for.
+    /// Its fibres, if they were searched.
     pub fibres: Option<Fibres>,
 }
 
@@ -96,7 +96,7 @@ impl Chosen {
         chosen.into_iter().map(meshed).collect()
     }
 
-    /// Looks for the fibres in the picture.
+    /// Searches the fibres in the picture.
     pub(super) fn look_for_fibres(
         &mut self,
         fibre: FibreDirection,
@@ -152,7 +152,7 @@ impl<'a> SegmentReport<'a> {
     }
 }
 
-/// What a person should look at.
+/// Notes and warnings for people.
 pub(super) fn notes(
     cells: &PictureCells,
     chosen: &[Chosen],

@@ -1,4 +1,4 @@
-//! The fibres and sarcomeres of all that a picture shows, without an outline.
+//! The fibres and sarcomeres of a whole picture, without an outline.
 
 use crate::experiment::fibres::{FILE, row};
 use crate::experiment::{Experiment, ExperimentError, Files, Folder, Observer, Outcome, overlay};

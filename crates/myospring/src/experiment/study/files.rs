@@ -20,11 +20,14 @@ pub const FIGURES: &str = "figures";
 /// Resolution of PNG, dots per inch.
 const DPI: f64 = 300.0;
 
-/// Writes table, description, numbers and figures of a study into a folder, as `myospring study run` does; `text` is
-/// its description, `traces` where the curves are now. What was left out, and why.
+/// Writes table, description, numbers and figures of a study into a folder, as `myospring study
+/// run` does; `text` is its description, `traces` the place of the curves. Returns what was left
+/// out, and why.
 ///
 /// # Errors
-/// A file that cannot be written, or that would replace another than an earlier study's.
+///
+/// A file that cannot be written, or that would replace a file of something other than an earlier
+/// study.
 pub fn save(
     study: &ParameterStudy,
     common: &Common,
@@ -44,7 +47,7 @@ pub fn save(
     Ok(write(study, common, answer, &manifest, text)?.1)
 }
 
-/// Writes all files into a folder; what `study.json` has, and what was left out.
+/// Writes all files into a folder; returns the content of `study.json`, and what was left out.
 pub(super) fn write<'a>(
     study: &'a ParameterStudy,
     common: &'a Common,
@@ -85,7 +88,7 @@ pub(super) fn write<'a>(
     Ok((found, left_out))
 }
 
-/// Copies the files of a study into its folder; its description, which names the copies.
+/// Copies the files of a study into its folder; returns its description, which names the copies.
 fn with_inputs(
     common: &Common,
     manifest: &Manifest,
@@ -109,8 +112,8 @@ fn with_inputs(
 /// Figures by name, and what was left out.
 type Drawn = (Vec<(String, Figure)>, Vec<String>);
 
-/// Draws the figures of a study into its folder, instead of those that are there: the figures by name, and
-/// what was left out.
+/// Draws the figures of a study into its folder and replaces those there; returns the figures by
+/// name, and what was left out.
 pub(super) fn draw(
     answer: &Answer<'_>,
     common: &Common,

@@ -17,7 +17,7 @@ pub struct Found<'a> {
     /// What the file of curves holds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) traces: Option<&'a TraceAxes>,
-    /// Which parameter matters to which metric.
+    /// Which parameter matters for which metric.
     pub sensitivity: Vec<Sensitivity>,
 }
 

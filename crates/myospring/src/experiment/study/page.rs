@@ -83,7 +83,7 @@ pub(super) fn html(
     })
 }
 
-/// The first members, by their whole numbers.
+/// The first members, in order of their numbers.
 fn members(answer: &Answer<'_>) -> table::Table {
     let mut members = answer.pieces().next().unwrap_or_else(|| answer.table());
     if let Some(table::Column::Number { name, values }) = members.columns.first() {
@@ -93,7 +93,7 @@ fn members(answer: &Answer<'_>) -> table::Table {
     members
 }
 
-/// How many members there are, and what became of them.
+/// How many members there are, and how many beat and were kept.
 fn line(study: &ParameterStudy, found: &Found<'_>) -> Line {
     let Acceptance { beat, kept, failed, not_captured, .. } = found.acceptance;
     let mut words = format!("{beat} of {} members beat", found.members);
@@ -114,7 +114,7 @@ fn line(study: &ParameterStudy, found: &Found<'_>) -> Line {
     Line { words: format!("{words}."), quality }
 }
 
-/// The parameters of a metric, what matters most first; none where too few members have it.
+/// The parameters of a metric, the most important first; none if too few members have the metric.
 fn ranking(one: &Sensitivity) -> Option<Table> {
     let spread = |value: f64, confidence: f64| TableCell {
         spread: Some(confidence).filter(|it| it.is_finite()),

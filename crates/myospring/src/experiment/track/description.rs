@@ -1,4 +1,4 @@
-//! What is asked of a film.
+//! The description of tracking a film.
 
 use crate::experiment::input::ChosenSetting;
 use crate::experiment::refused::Place;
@@ -12,20 +12,20 @@ pub struct Track {
     pub film: PathBuf,
     /// Settings of shape, segmentation and fibres.
     pub settings: Vec<ChosenSetting>,
-    /// Frames a second; that of the film unless given.
+    /// Frames a second; `None` uses that of the film.
     pub frame_rate: Option<f64>,
-    /// Side of the squares of the picture that are looked for in each frame, um.
+    /// Side of the squares of the picture that are searched in each frame, um.
     pub subset_um: f64,
-    /// Threads; as many as there are cores unless given. The numbers do not depend on it.
+    /// Threads; `None` uses all cores. The numbers do not depend on it.
     pub threads: Option<usize>,
     /// Where an overlay goes if the film shows no cell.
     pub refused: Option<Place>,
-    /// What is saved beside the curve.
+    /// What is saved in addition to the curve.
     pub outputs: Vec<Output>,
 }
 
 impl Track {
-    /// A film, with everything else as it is unless given.
+    /// A film, with defaults for all else.
     pub fn of(film: impl Into<PathBuf>) -> Self {
         Self {
             film: film.into(),
@@ -39,7 +39,7 @@ impl Track {
     }
 }
 
-/// What is saved beside the curve of a film.
+/// What is saved in addition to the curve of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Output {
     /// Pictures of the cell and its curves.
@@ -55,7 +55,7 @@ pub enum Output {
 impl Output {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Figures, Self::Gif, Self::Frames, Self::Vtu];
-    /// What is saved unless others are asked for.
+    /// What is saved by default.
     pub const DEFAULT: [Self; 3] = [Self::Figures, Self::Gif, Self::Frames];
 
     /// Its word.

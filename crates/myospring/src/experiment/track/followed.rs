@@ -23,7 +23,7 @@ pub(super) struct AtRest {
     rate_given: bool,
 }
 
-/// A film with its cell, followed.
+/// A film with the motion of its cell.
 pub struct Followed {
     /// The film.
     pub film: Film,
@@ -43,7 +43,7 @@ pub struct Followed {
     pub rate_given: bool,
 }
 
-/// The run that the settings make of the cell of a film.
+/// The run of a film's cell with these settings.
 pub(super) fn settled(
     track: &Track,
     files: &Files,
@@ -76,7 +76,7 @@ impl AtRest {
         if film.pixel_size.is_none()
             && let Some(size) = source.options.pixel_size
         {
-            // So that the picture at rest, which is written, knows it.
+            // So that the written picture of the cell at rest knows its pixel size.
             let source = PixelSizeSource::TiffResolution;
             film.pixel_size = Some(StatedPixelSize { size, source });
         }
@@ -145,7 +145,7 @@ impl AtRest {
                 begun = true;
             }
             observer.reached(done as u64);
-            !interruption.is_asked()
+            !interruption.is_requested()
         });
         let motion = motion.map_err(|error| {
             ExperimentError::new(format!("`{}`: {error}", track.film.display()))

@@ -64,7 +64,7 @@ pub(super) fn open(
     }
 }
 
-/// The pictures of a folder, not of folders in it.
+/// The pictures of a folder, without its subfolders.
 fn pictures(folder: &Path, files: &Files) -> Result<Vec<(String, Vec<u8>)>, ExperimentError> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).map_err(|error| ExperimentError::unread(folder, &error))? {
@@ -86,7 +86,8 @@ fn pictures(folder: &Path, files: &Files) -> Result<Vec<(String, Vec<u8>)>, Expe
     Ok(found)
 }
 
-/// The film as a stream of grey frames, by ffmpeg; `codec` is what the library cannot read of it.
+/// The film as a stream of grey frames, by ffmpeg; `codec` is the codec that the library cannot
+/// read.
 fn through_ffmpeg(path: &Path, codec: Option<&str>) -> Result<Vec<u8>, ExperimentError> {
     let what = match codec {
         Some(codec) => format!("`{}`: the frames are compressed with {codec}", path.display()),

@@ -1,4 +1,4 @@
-//! What is written beside the curve.
+//! What is written in addition to the curve.
 
 use super::description::Output;
 use super::followed::Followed;
@@ -17,7 +17,7 @@ const MOST_SHOWN: usize = 100;
 /// Hundredths of a second that a frame is shown, at least.
 const SHORTEST: f64 = 3.0;
 
-/// Writes what was asked for.
+/// Writes the requested outputs.
 pub(super) fn write(
     folder: &Folder,
     outputs: &[Output],
@@ -47,7 +47,7 @@ pub(super) fn write(
     Ok(())
 }
 
-/// The frames in the form of a run's; no tension is known.
+/// The frames in the form of those of a run, without tension.
 fn shapes(followed: &Followed) -> Vec<Frame> {
     let motion = &followed.motion;
     let frame = |at: usize| Frame {
@@ -109,7 +109,7 @@ impl Drawn<'_> {
         })
     }
 
-    /// A frame of the film, and where the points are in it.
+    /// A frame of the film, and the positions of the points in it.
     fn seen(&self, at: usize) -> Result<(Plane, [Vec<f64>; 2]), ExperimentError> {
         let Followed { film, motion, .. } = self.followed;
         let plane = film.frame(motion.frames[at]).map_err(ExperimentError::new)?;
@@ -128,7 +128,7 @@ impl Drawn<'_> {
         let rest = motion.rest_index();
         let shortest = self.report.headline.at;
         let [(rest_plane, rest_at), (plane, at)] = [self.seen(rest)?, self.seen(shortest)?];
-        // What never was found is as unsure in the picture at rest as it is later.
+        // A point that was never found is as uncertain in the picture at rest as later.
         let often: Vec<bool> = (0..motion.mesh.len())
             .map(|point| {
                 let interpolated =
@@ -160,7 +160,7 @@ impl Drawn<'_> {
         if motion.len() < 2 {
             return Ok(());
         }
-        // Real time as far as players show it.
+        // Real time, as far as players can show it.
         let hundredths = 100.0 / self.followed.frames_per_second;
         let every =
             motion.len().div_ceil(MOST_SHOWN).max((SHORTEST / hundredths).floor() as usize).max(1);

@@ -23,11 +23,11 @@ pub struct TrackReport {
     pub film: String,
     /// Frames of the film.
     pub frames: usize,
-    /// Of these followed, from this one on.
+    /// How many of these were tracked.
     pub frames_followed: usize,
-    /// The first of them.
+    /// The first frame that was tracked.
     pub first_frame: usize,
-    /// Frames that repeat the one before: they are no rows of `track.csv`.
+    /// Frames that repeat the one before; they have no rows in `track.csv`.
     pub repeated_frames: Vec<usize>,
     /// The frame at rest.
     pub rest_frame: usize,
@@ -47,7 +47,7 @@ pub struct TrackReport {
     pub points: usize,
     /// Standard deviation of the noise, grey levels.
     pub noise_grey_levels: f64,
-    /// Standard error of a point's displacement that the noise makes, before neighbours are averaged; median.
+    /// Standard error of a point's displacement from noise, before neighbours are averaged; median.
     pub noise_error_um: Option<f64>,
     /// Share of interpolated points, per cent, mean over frames.
     pub interpolated_pct_mean: f64,
@@ -71,7 +71,7 @@ pub struct TrackReport {
     pub least_stretch_frame: usize,
     /// Places at which sarcomeres were read.
     pub sarcomere_places: usize,
-    /// So far apart that none shows the stripes of another.
+    /// Parts of the cell so far apart that they share no stripes.
     pub sarcomere_parts: usize,
     /// Mean length of the sarcomeres at rest.
     pub sarcomere_rest_um: Option<f64>,
@@ -99,7 +99,7 @@ pub struct TrackReport {
 /// How much the cell contracts.
 #[derive(Serialize)]
 pub struct HeadlineReport {
-    /// The column of `track.csv` that says it.
+    /// The column of `track.csv` that it is read from.
     pub column: &'static str,
     /// The largest contraction.
     pub peak_contraction_pct: f64,
@@ -141,7 +141,7 @@ impl HeadlineReport {
 }
 
 impl TrackReport {
-    /// The report of a cell that was followed.
+    /// The report of a tracked cell.
     #[must_use]
     pub fn of(path: &Path, followed: &Followed) -> Self {
         let Followed { film, motion, shaped, fibres, .. } = followed;
@@ -151,7 +151,7 @@ impl TrackReport {
             shaped.picture.as_ref().is_some_and(|(_, cell)| cell.confidence.is_doubtful());
         let headline = motion.headline();
         let headline = if is_doubtful { headline.with_doubtful_outline() } else { headline };
-        let seen = motion.seen_frames();
+        let seen = motion.frames_with_cell();
         let headline = HeadlineReport::of(headline, &rows, &seen);
         let most =
             |of: &dyn Fn(&TrackRow) -> f64| rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
@@ -272,7 +272,7 @@ fn warnings(followed: &Followed, rows: &[TrackRow]) -> Vec<String> {
     warnings
 }
 
-/// Says which frames repeat others, and what that means.
+/// The warning about repeated frames.
 fn repeated(frames: &[usize], all: usize) -> String {
     let named: Vec<String> = frames.iter().take(MOST_NAMED).map(usize::to_string).collect();
     let more = match frames.len().saturating_sub(MOST_NAMED) {

@@ -1,11 +1,11 @@
-//! Cells without a mesh: moved side by side where their model can, with the metrics of their potential, calcium and
-//! tension.
+//! Cells without a mesh, in batches if their model supports it, with the metrics of their
+//! potential, calcium and tension.
 
 use super::super::{Cause, Interrupted};
+use super::cell_metrics::{FROM_BEATS, Timed, metric_of_beat, shown, unit};
 use super::course;
 use super::description::{CountedBeat, Varied, run_of};
 use super::member::{Variation, VariationRow};
-use super::told::{TOLD, Timed, shown, told, unit};
 use super::traces::TraceAxes;
 use crate::cell::TensionKind;
 use crate::cell::batch::{self, BatchSettings, CellBeat, CellOutcome, CellSample, Paced};
@@ -15,7 +15,7 @@ use crate::settings::Run;
 use std::collections::BTreeMap;
 use std::io;
 
-/// What all members have in common, and what is wanted of each.
+/// What all members have in common, and the requested metrics.
 pub(super) struct Wanted<'a> {
     pub(super) run: &'a RunFile,
     pub(super) varied: &'a [Varied],
@@ -33,7 +33,7 @@ struct Alone {
     scale: f64,
 }
 
-/// Some members: their rows, and their curves where they are wanted.
+/// The rows of some members, and their curves if requested.
 pub(super) fn cells(
     wanted: &Wanted<'_>,
     members: &[&Variation],
@@ -46,47 +46,49 @@ pub(super) fn cells(
     let tasks: Vec<Result<Alone, Cause>> =
         members.iter().map(|member| alone(wanted, member)).collect();
     let cells: Vec<Paced> = tasks.iter().flatten().map(|alone| alone.cell.clone()).collect();
-    let told = match outcomes(wanted, &run, &cells, goes_on) {
-        Ok(Some(told)) => told,
+    let outcomes = match outcomes(wanted, &run, &cells, goes_on) {
+        Ok(Some(outcomes)) => outcomes,
         Ok(None) => return members.iter().map(|_| Err(Interrupted.into())).collect(),
         Err(error) => return members.iter().map(|_| Err(error.clone().into())).collect(),
     };
-    let mut told = told.into_iter();
+    let mut outcomes = outcomes.into_iter();
     let row = |(member, task): (&&Variation, Result<Alone, Cause>)| {
         let alone = task?;
-        let (outcome, interval_ms, by_beats) = told.next().ok_or("a cell without an outcome")?;
+        let (outcome, interval_ms, by_beats) =
+            outcomes.next().ok_or("a cell without an outcome")?;
         let outcome = outcome?;
         Ok(alone.row(wanted, member, &outcome, interval_ms, by_beats))
     };
     members.iter().zip(tasks).map(row).collect()
 }
 
-/// What a cell did, the time between its samples, ms, and whether its beats tell all that is wanted.
-type Told = (Result<CellOutcome, SolveError>, f64, bool);
+/// The outcome of a cell, the time between its samples, ms, and whether its beats suffice for the
+/// metrics.
+type TimedOutcome = (Result<CellOutcome, SolveError>, f64, bool);
 
-/// What cells did; `None` once they were stopped.
+/// The outcomes of cells; `None` if interrupted.
 fn outcomes(
     wanted: &Wanted<'_>,
     run: &Run,
     cells: &[Paced],
     goes_on: &dyn Fn() -> bool,
-) -> Result<Option<Vec<Told>>, SolveError> {
+) -> Result<Option<Vec<TimedOutcome>>, SolveError> {
     let (method, often) = (run.numerics.cell, run.numerics.output_interval);
     let follow = |cells: &[Paced], sample_interval_ms| {
         batch::run_while(cells, &BatchSettings { method, sample_interval_ms }, goes_on)
     };
-    // What an S2 meets is seen in the curves alone.
+    // The metrics of an S2 need the curves.
     let by_beats = batch::tells_beats(&*run.cell, method)
         && run.protocol.s2_interval_ms.is_none()
-        && wanted.metrics.iter().all(|name| TOLD.contains(&&**name));
+        && wanted.metrics.iter().all(|name| FROM_BEATS.contains(&&**name));
     if !by_beats {
         let outcomes = follow(cells, Some(often))?;
-        let told = |outcome| (outcome, often, false);
-        return Ok(outcomes.map(|all| all.into_iter().map(told).collect()));
+        let sampled = |outcome| (outcome, often, false);
+        return Ok(outcomes.map(|all| all.into_iter().map(sampled).collect()));
     }
     let seldom = wanted.axes.map(|axes| axes.interval_ms);
     let Some(outcomes) = follow(cells, seldom)? else { return Ok(None) };
-    // A beat goes on through a stimulus that is not captured, as its samples alone show.
+    // A beat continues through a stimulus that is not captured, which only its samples show.
     let suffice = |outcome: &Result<CellOutcome, SolveError>| {
         outcome.as_ref().map_or(true, |it| CellBeat::suffice(&it.beats, unit(&*run.cell)))
     };
@@ -98,13 +100,13 @@ fn outcomes(
         .collect();
     let Some(sampled) = follow(&again, Some(often))? else { return Ok(None) };
     let mut sampled = sampled.into_iter();
-    let told = |outcome| {
+    let checked = |outcome| {
         if suffice(&outcome) {
             return (outcome, seldom.unwrap_or(often), true);
         }
         (sampled.next().unwrap_or(outcome), often, false)
     };
-    Ok(Some(outcomes.into_iter().map(told).collect()))
+    Ok(Some(outcomes.into_iter().map(checked).collect()))
 }
 
 /// A member's cell.
@@ -151,7 +153,7 @@ impl Alone {
 
     /// A metric of the beat that counts, or its mean over the beats.
     fn of_beats(&self, beats: &[CellBeat], which: CountedBeat, name: &str) -> Option<f64> {
-        let value = |beat: &CellBeat| told(beat, name, self.scale);
+        let value = |beat: &CellBeat| metric_of_beat(beat, name, self.scale);
         match which {
             CountedBeat::First => value(beats.first()?),
             CountedBeat::Last => value(beats.last()?),

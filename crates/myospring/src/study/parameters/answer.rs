@@ -1,4 +1,4 @@
-//! What the members of a study say together.
+//! The results of all members of a study.
 
 use super::super::sampling::Sampler;
 use super::super::sensitivity::{Index, Pair, SensitivityError, morris, sobol};
@@ -19,7 +19,7 @@ pub struct Answer<'a> {
     pub(super) rows: Vec<VariationRow>,
 }
 
-/// How many members are kept, and what stands against the others.
+/// How many members are kept, and what rejects the others.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Acceptance {
     /// Members that beat.
@@ -31,7 +31,7 @@ pub struct Acceptance {
     /// Members that beat, but whose S2 raised no action potential.
     #[serde(skip_serializing_if = "is_none")]
     pub not_captured: usize,
-    /// What each band does; empty where there is none.
+    /// The rejections of each band; empty without bands.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bands: Vec<Rejected>,
 }
@@ -56,10 +56,9 @@ pub struct Rejected {
     pub above: usize,
     /// Members that beat without such a metric.
     pub without: usize,
-    /// Members that every other band would keep.
+    /// Members that only this band rejects.
     pub alone: usize,
-    /// Middle of the metric over all members that beat, and the range of nine of ten of them: what a band that keeps
-    /// some could be.
+    /// Median of the metric over all members that beat, and the range of the middle 90 %.
     pub found: Option<[f64; 3]>,
 }
 
@@ -70,14 +69,14 @@ impl Rejected {
     }
 }
 
-/// How much a metric hangs on each parameter.
+/// How much a metric depends on each parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// The metric.
     pub metric: String,
     /// Its unit.
     pub unit: &'static str,
-    /// Its parameters, what matters most first.
+    /// Its parameters, the most important first.
     pub parameters: Vec<Ranked>,
     /// Interactions of pairs, by the names of both, the strongest first; where the design has them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -89,14 +88,14 @@ pub struct Sensitivity {
 }
 
 impl Sensitivity {
-    /// Of a metric that too few members have.
+    /// For a metric that too few members have.
     fn none(metric: &str, unit: &'static str, left_out: usize) -> Self {
         let (metric, parameters, pairs) = (metric.to_owned(), Vec::new(), Vec::new());
         Self { metric, unit, parameters, pairs, used: 0, left_out }
     }
 }
 
-/// What was found, or `None` where too few members have the metric.
+/// The result, or `None` if too few members have the metric.
 fn enough<T>(found: Result<T, SensitivityError>) -> Result<Option<T>, SensitivityError> {
     match found {
         Err(SensitivityError::TooFew { .. }) => Ok(None),
@@ -104,7 +103,7 @@ fn enough<T>(found: Result<T, SensitivityError>) -> Result<Option<T>, Sensitivit
     }
 }
 
-/// What one parameter does.
+/// The sensitivity to one parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Ranked {
@@ -114,7 +113,7 @@ pub enum Ranked {
         parameter: String,
         /// Part of the variance that it causes alone.
         first: Index,
-        /// Part of the variance that it has to do with.
+        /// Part of the variance that it causes alone and with others.
         total: Index,
     },
     /// By Morris's elementary effects, in the metric's unit over the whole range of the parameter.
@@ -138,7 +137,7 @@ impl Ranked {
         }
     }
 
-    /// What it is ranked by.
+    /// The number by which it is ranked.
     pub fn rank(&self) -> Index {
         match self {
             Self::Sobol { total, .. } => *total,
@@ -172,7 +171,7 @@ fn lies(row: &VariationRow, at: usize, [low, high]: [f64; 2]) -> Place {
 }
 
 impl<'a> Answer<'a> {
-    /// Of rows in any order, as far as they are there; `units` are those of the metrics.
+    /// From the available rows, in any order; `units` are those of the metrics.
     pub fn new(
         study: &'a ParameterStudy,
         units: &'a [&'static str],
@@ -183,10 +182,10 @@ impl<'a> Answer<'a> {
         Self { study, units, rows }
     }
 
-    /// Of the rows that a table has, as [`Answer::table`] gives it and CSV keeps it.
+    /// From the rows of a table that [`Answer::table`] gave and CSV stored.
     ///
     /// # Errors
-    /// A table that is none, or that is of another study.
+    /// An invalid table, or one of another study.
     pub fn from_csv(
         study: &'a ParameterStudy,
         units: &'a [&'static str],
@@ -254,7 +253,7 @@ impl<'a> Answer<'a> {
         metrics.filter_map(|(at, name)| Some((at, self.study.keep.get(name)?.0)))
     }
 
-    /// How many members are kept, and what stands against the others.
+    /// How many members are kept, and what rejects the others.
     pub fn acceptance(&self) -> Acceptance {
         let beat: Vec<&VariationRow> =
             self.rows.iter().filter(|row| row.status() == Status::Ok).collect();
@@ -298,7 +297,7 @@ impl<'a> Answer<'a> {
         }
     }
 
-    /// One row a member: its values, its metrics, what became of it.
+    /// One row per member: its values, metrics and status.
     pub fn table(&self) -> Table {
         self.piece(&self.rows)
     }
@@ -337,9 +336,9 @@ impl<'a> Answer<'a> {
         Table { columns }
     }
 
-    /// How much each metric hangs on each parameter; empty where the design is none for that, or members are missing.
-    /// A metric that fewer than two base points or trajectories have in all their members has no parameters, and all
-    /// are left out.
+    /// How much each metric depends on each parameter; empty if the design does not allow it, or
+    /// members are missing. A metric that fewer than two base points or trajectories have in all
+    /// their members has no parameters, and all are left out.
     ///
     /// # Errors
     /// Rows that are not those of the design.

@@ -1,7 +1,7 @@
-//! The beats of a cell without a mesh, read from its samples as those of a run are.
+//! The beats of a cell without a mesh, read from its samples as in a run.
 
+use super::cell_metrics::{Timed, unit};
 use super::description::CountedBeat;
-use super::told::{Timed, unit};
 use crate::analysis::beat::Beats;
 use crate::cell::CellModel;
 use crate::cell::batch::CellSample;
@@ -23,7 +23,7 @@ pub(super) fn beats(model: &dyn CellModel, protocol: &Protocol, timed: &[Timed])
         frames: Vec::new(),
         signals: calcium.map(signal).into_iter().collect(),
     };
-    // One of which there is more than its rest.
+    // A beat of which there is more than its rest.
     let last = timed.last().map_or(f64::NEG_INFINITY, |(t_ms, _)| *t_ms);
     let stimuli: Vec<f64> = protocol.stimulus_times().take_while(|time| *time <= last).collect();
     Beats::of(&recording, &stimuli, protocol.s2_ms().filter(|time| *time <= last))
@@ -43,7 +43,7 @@ pub(super) fn metrics(beats: &Beats, which: CountedBeat, names: &[String]) -> Ve
     names.iter().map(of).collect()
 }
 
-/// Which stimuli raised no action potential, where some did not.
+/// Which stimuli raised no action potential, if any.
 pub(super) fn no_capture(beats: &Beats) -> Option<String> {
     beats.rhythm.no_capture(beats.s2().and_then(|beat| beat.captured))
 }

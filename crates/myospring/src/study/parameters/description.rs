@@ -1,8 +1,8 @@
 //! The description of a study of parameters, from TOML.
 
 use super::super::sampling::{Distribution, Sampler, sample};
+use super::cell_metrics;
 use super::error::ParameterStudyError;
-use super::told;
 use super::values::Values;
 use crate::cell::solve::CellMethod;
 use crate::interruption::Interruption;
@@ -15,7 +15,7 @@ use std::io;
 
 const PARAMETERS: &str = "cell.parameters";
 
-/// What every member is.
+/// The kind of members.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MemberKind {
@@ -26,7 +26,7 @@ pub enum MemberKind {
     Cell,
 }
 
-/// Which beat's metrics count, where a run has several.
+/// Which beat's metrics count, if a run has several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CountedBeat {
@@ -51,7 +51,7 @@ pub struct AcceptanceBand(
 pub struct Varied {
     /// The number.
     pub number: NumericSetting,
-    /// How its values are distributed; `None` where a table has them.
+    /// How its values are distributed; `None` if a table has them.
     pub distribution: Option<Distribution>,
 }
 
@@ -62,14 +62,14 @@ pub enum Design {
     Sampled {
         /// How.
         sampler: Sampler,
-        /// The number that decides everything random.
+        /// Seed of all random numbers.
         seed: u64,
     },
-    /// A table that somebody else has made.
+    /// Rows from a table.
     Table,
 }
 
-/// A study of parameters: what its members have in common, and in what they differ.
+/// A study of parameters: what its members have in common, and how they differ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterStudy {
     /// Title, for people.
@@ -78,7 +78,7 @@ pub struct ParameterStudy {
     pub kind: MemberKind,
     /// What all have in common.
     pub run: RunFile,
-    /// What differs, by name in alphabetical order; of a table in the order of its columns.
+    /// The varied numbers, in alphabetical order, or in the order of a table's columns.
     pub varied: Vec<Varied>,
     /// Where the values come from.
     pub design: Design,
@@ -88,15 +88,15 @@ pub struct ParameterStudy {
     pub beat: CountedBeat,
     /// Bands by metric.
     pub keep: BTreeMap<String, AcceptanceBand>,
-    /// Whether the curves of each member are kept.
+    /// Whether the curves of each member are stored.
     pub traces: bool,
     /// The values of each member.
     pub values: Values,
-    /// What may end early what is made before any member is worked on ([`Common::new`](super::Common::new)). No file has it.
+    /// Interruption of the preparation ([`Common::new`](super::Common::new)); not part of a file.
     pub interruption: Interruption,
 }
 
-/// What is wrong in the table `[sampling]`, in the words of who wrote it.
+/// The error in the table `[sampling]`, in the words of its author.
 fn in_sampling(error: &toml::de::Error) -> ParameterStudyError {
     let whole = "a whole number from 0 on";
     let cause = ["usize", "u64", "u32"].iter().fold(error.message().to_owned(), |text, kind| {
@@ -138,13 +138,13 @@ struct OfTable {
     file: String,
 }
 
-/// Populations of up to so many members keep their curves unless asked otherwise: some 15 MB.
+/// Populations of up to this many members store their curves by default: some 15 MB.
 const TRACED: usize = 5000;
 
-/// Tolerance of cells in stiff steps unless another is wanted: APD90 is right to 0.001 ms, calcium to 0.01 %.
+/// Default tolerance of cells in stiff steps: APD90 is right to 0.001 ms, calcium to 0.01 %.
 const STIFF_TOLERANCE: f64 = 1e-4;
 
-/// Metrics of a beat unless others are wanted.
+/// Default metrics of a beat.
 const OF_BEATS: [&str; 9] = [
     "peak_shortening",
     "time_to_peak_from_stimulus",
@@ -188,7 +188,7 @@ impl ParameterStudy {
         Self::from_toml_knowing(text, Models::default(), read)
     }
 
-    /// As [`ParameterStudy::from_toml`] where its run may name cell models of one's own, too.
+    /// As [`ParameterStudy::from_toml`], for a run that may name custom cell models.
     ///
     /// # Errors
     /// What is wrong with it, with its place.
@@ -255,9 +255,10 @@ impl ParameterStudy {
         let mut metrics = written.metrics;
         if metrics.is_empty() {
             metrics = match written.kind {
-                MemberKind::Cell => {
-                    told::metrics(&base).iter().map(|(name, _)| (*name).to_owned()).collect()
-                }
+                MemberKind::Cell => cell_metrics::metrics(&base)
+                    .iter()
+                    .map(|(name, _)| (*name).to_owned())
+                    .collect(),
                 MemberKind::Beat => OF_BEATS.iter().map(|name| (*name).to_owned()).collect(),
             };
         }
@@ -268,7 +269,7 @@ impl ParameterStudy {
                 return Err(ParameterStudyError::Band { metric, band });
             }
         }
-        // What decides who is kept is looked at, too.
+        // Metrics with a band are computed, too.
         for name in
             written.keep.keys().filter(|name| !metrics.contains(name)).cloned().collect::<Vec<_>>()
         {
@@ -296,11 +297,11 @@ impl ParameterStudy {
         })
     }
 
-    /// A run as many members beat it: along the path of equilibria and with adaptive steps of the cell model, unless it
-    /// names other methods or does not allow these.
+    /// A run with methods for many members: quasi-static and with adaptive steps of the cell model,
+    /// unless it names other methods or does not support these.
     ///
     /// # Errors
-    /// None of a run file that can be read.
+    /// None for a run file that can be read.
     pub fn with_usual_methods(mut run: RunFile) -> Result<RunFile, RunFileError> {
         for (key, usual) in
             [("numerics.integrator", "quasi-static"), ("cell.integrator", "adaptive")]
@@ -308,7 +309,7 @@ impl ParameterStudy {
             if !run.has(key) {
                 let mut with = run.clone();
                 with.set(key, usual)?;
-                // Adaptive steps know some models only.
+                // Only some models support adaptive steps.
                 if with
                     .resolve()
                     .is_ok_and(|run| key != "cell.integrator" || run.cell.adaptive().is_some())
@@ -320,8 +321,9 @@ impl ParameterStudy {
         Ok(run)
     }
 
-    /// A study of rows that somebody else has made: beats of a run in which each of these numbers has the value of
-    /// its column. Metrics are the mean over the beats of a run; methods are those of the run, or its usual ones.
+    /// A study of given rows: beats of a run in which each of these numbers has the value of its
+    /// column. Metrics are the mean over the beats of a run; methods are those of the run, or its
+    /// usual ones.
     ///
     /// # Errors
     /// Rows of another length than there are numbers.
@@ -372,7 +374,7 @@ impl ParameterStudy {
     /// The run file of a member.
     ///
     /// # Errors
-    /// A value of the wrong kind; bounds are looked at when it is resolved.
+    /// A value of the wrong kind; bounds are checked when it is resolved.
     pub fn run_of(&self, values: &[f64]) -> Result<RunFile, RunFileError> {
         run_of(&self.run, &self.varied, values)
     }

@@ -1,5 +1,5 @@
-//! What of a study is done, here or elsewhere by any engine: what it hangs on, which members are left, and rows as
-//! they come back.
+//! The members of a study computed here or elsewhere: the settings they depend on, which members
+//! are not done, and their rows.
 
 use super::super::{Journal, Member as _, StudyError, sha256};
 use super::description::ParameterStudy;
@@ -8,12 +8,12 @@ use super::shard::Shard;
 use super::work::Common;
 use std::iter::successors;
 
-/// So many members are made at a time.
+/// Number of members that are created at a time.
 const AT_ONCE: usize = 4096;
 
 impl ParameterStudy {
-    /// What the rows depend on beside the members' values, as text for [`Journal::open`](super::super::Journal::open);
-    /// `common` is made of this study.
+    /// What the rows depend on in addition to the members' values, as text for
+    /// [`Journal::open`](super::super::Journal::open); `common` is made of this study.
     pub fn settings(&self, common: &Common) -> String {
         let names: Vec<&str> =
             self.varied.iter().map(|varied| varied.number.key.as_str()).collect();
@@ -42,7 +42,8 @@ impl ParameterStudy {
         left
     }
 
-    /// Adds rows to a journal; they are on the disk when this returns. Rows of no member of this study are left out.
+    /// Adds rows to a journal; they are on the disk when this returns. Rows of members of other
+    /// studies are left out.
     ///
     /// # Errors
     /// A journal that cannot be written.
@@ -72,7 +73,7 @@ impl ParameterStudy {
         Ok(rows)
     }
 
-    /// The members of a part in order, so many at a time; no others are in memory.
+    /// The members of a part in order, a group at a time, so that only one group is in memory.
     pub fn in_turn(
         &self,
         Shard { part, of }: Shard,

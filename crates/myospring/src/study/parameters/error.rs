@@ -1,4 +1,4 @@
-//! Why a study of parameters cannot be.
+//! Errors of a study of parameters.
 
 use super::super::StudyError;
 use super::super::sampling::SamplingError;
@@ -11,7 +11,7 @@ use crate::units::UnitError;
 /// Why a study of parameters was not read or not begun.
 #[derive(Debug, thiserror::Error)]
 pub enum ParameterStudyError {
-    /// No TOML, or a key that is none or has a value of another kind.
+    /// Not TOML, or a key that is unknown or has a value of the wrong kind.
     #[error("{0}")]
     Toml(#[from] toml::de::Error),
     /// The run that all members have in common.
@@ -27,7 +27,7 @@ pub enum ParameterStudyError {
         /// Why.
         cause: std::io::Error,
     },
-    /// A name that is no number of the run.
+    /// A name that is not a number of the run.
     #[error("[parameters]: {0}")]
     Name(#[from] NumberError),
     /// A parameter given twice, by its name and by its key.
@@ -46,7 +46,7 @@ pub enum ParameterStudyError {
         /// What is wrong with it.
         cause: UnitError,
     },
-    /// A distribution that is none.
+    /// An invalid distribution.
     #[error("[parameters.{name}]: {cause}")]
     Distribution {
         /// The parameter.
@@ -72,13 +72,13 @@ pub enum ParameterStudyError {
         /// The parameter.
         name: String,
     },
-    /// Nothing says how many members there are, and where they lie.
+    /// The table `[sampling]` is missing.
     #[error(
         "[sampling] is missing; it sets the number of members and their values, like sampler = \
          \"latin-hypercube\" with size = 100"
     )]
     NoSampling,
-    /// No sample.
+    /// Invalid sampling.
     #[error("[sampling]: {0}")]
     Sampling(#[from] SamplingError),
     /// A key of the sampling that cannot be read.
@@ -87,7 +87,7 @@ pub enum ParameterStudyError {
         /// What is wrong.
         cause: String,
     },
-    /// Keys beside a table of rows that would not be used, or none for its file.
+    /// Keys that a table of rows does not use, or a missing file.
     #[error("[sampling] with sampler = \"table\": {cause}")]
     Table {
         /// What is wrong.
@@ -101,7 +101,7 @@ pub enum ParameterStudyError {
         /// As written.
         band: [f64; 2],
     },
-    /// A table of rows that is none.
+    /// An invalid table of rows.
     #[error("[sampling] file `{path}`: {cause}")]
     Rows {
         /// The file.
@@ -135,28 +135,28 @@ pub enum ParameterStudyError {
         /// Those that there are.
         known: Vec<&'static str>,
     },
-    /// What cells without a mesh do not have.
+    /// A setting that cells without a mesh do not have.
     #[error(
         "kind = \"cell\" follows action potential, calcium and tension of cells without a mesh: {what}; take \
          kind = \"beat\""
     )]
     NoCell {
-        /// What stands against it.
+        /// The obstacle.
         what: String,
     },
     /// The shape that all members have in common.
     #[error("[run]: {0}")]
     Shape(#[from] ShapeError),
-    /// The run that all members have in common cannot beat.
+    /// The common run cannot be simulated.
     #[error("[run]: {0}")]
     Base(String),
-    /// A part of a study that there is not.
+    /// A part of a study that does not exist.
     #[error("`{text}` names no part of a study; write i/N with i from 1 to N, like 2/8")]
     Shard {
         /// As written.
         text: String,
     },
-    /// No indices.
+    /// Indices cannot be computed.
     #[error(transparent)]
     Sensitivity(#[from] SensitivityError),
     /// The study itself.

@@ -119,8 +119,9 @@ impl Answer<'_> {
         all
     }
 
-    /// The curves of the members that are kept, or of all: where half of them lie and nine of ten; `None` where the study
-    /// keeps no curves, or no member is kept. At most 5000 of them, evenly from all, are read.
+    /// The curves of the members that are kept, or of all: median, middle half and middle 90 %;
+    /// `None` if the study stores no curves, or no member is kept. At most 5000 of them, evenly
+    /// from all, are read.
     ///
     /// `folder` has the file of curves.
     ///

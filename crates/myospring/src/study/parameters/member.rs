@@ -1,4 +1,4 @@
-//! A member of a study of parameters, and what comes of it.
+//! A member of a study of parameters, and its result.
 
 use super::super::{Member, Row, Status, sha256};
 use crate::output::table::{Column, Table};
@@ -37,31 +37,32 @@ impl Member for Variation {
     }
 }
 
-/// What came of a member; its values follow from its number.
+/// The result of a member; its values follow from its number.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VariationRow {
     /// The member's number, from 1.
     pub member: usize,
-    /// What became of it.
+    /// Its status.
     pub status: Status,
-    /// Why it is not ok, or why one that is has none of some metrics, as without capture; else empty.
+    /// Why it is not ok, or why some metrics are missing, such as without capture; else empty.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub reason: String,
     /// The metrics that the study wants, in its order; `None` where the curve does not show one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub metrics: Vec<Option<f64>>,
-    /// The hash of its curves in [`TRACES`](super::TRACES), by which damage there is seen; empty where there are none.
+    /// The hash of its curves in [`TRACES`](super::TRACES), by which damage is detected; empty
+    /// without curves.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub curves: String,
 }
 
 impl VariationRow {
-    /// Of a member that was done.
+    /// The row of a finished member.
     pub(super) fn done(member: usize, metrics: Vec<Option<f64>>) -> Self {
         Self { member, status: Status::Ok, reason: String::new(), metrics, curves: String::new() }
     }
 
-    /// The same with what is to be said of it, as of stimuli that raised no action potential.
+    /// Adds a reason, such as stimuli that raised no action potential.
     pub(super) fn noting(self, reason: Option<String>) -> Self {
         Self { reason: reason.unwrap_or(self.reason), ..self }
     }
@@ -77,7 +78,7 @@ impl Row for VariationRow {
         self.status
     }
 
-    /// Status and reason alone; [`Answer::table`](super::Answer::table) knows what the numbers are.
+    /// Only status and reason; [`Answer::table`](super::Answer::table) adds the numbers.
     fn table(rows: &[Self]) -> Table {
         let member = rows.iter().map(|row| Some(row.member as f64)).collect();
         let status = rows.iter().map(|row| Some(row.status.to_string())).collect();

@@ -21,7 +21,7 @@ pub fn schema() -> Value {
         }
     }
     let metrics: Vec<&str> = known(true).iter().map(|metric| metric.name).collect();
-    // Of cells there are others, such as the peak of calcium of ToR-ORd.
+    // Cells have further metrics, such as the peak of calcium of ToR-ORd.
     let metric = json!({"type": "string", "examples": metrics});
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -54,7 +54,7 @@ pub fn schema() -> Value {
             "run": {
                 "description": "What all members have in common: the name of a run file, or its tables.",
                 "type": ["string", "object"],
-                // Not one of both, so that what is wrong is named where it stands.
+                // Not `oneOf`, so that errors are reported at their place.
                 "if": {"type": "object"},
                 "then": {"$ref": "#/$defs/run"},
             },
@@ -80,8 +80,8 @@ pub fn schema() -> Value {
     })
 }
 
-/// One of several tables, told apart by the word under `key`; each has numbers that it needs and others that it may
-/// have.
+/// One of several tables, distinguished by the word under `key`; each has required and optional
+/// numbers.
 fn one_of(key: &str, rows: &[(&str, &[&str], &[&str])], number: &Value, common: &Value) -> Value {
     let table = |(word, needs, may): &(&str, &[&str], &[&str])| {
         let mut properties: Map<String, Value> = common.as_object().cloned().unwrap_or_default();

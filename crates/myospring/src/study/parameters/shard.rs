@@ -6,7 +6,7 @@ use super::member::Variation;
 use std::fmt;
 use std::str::FromStr;
 
-/// Every so manieth member: `2/8` is the second of eight parts.
+/// Every n-th member: `2/8` is the second of eight parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// Which part, from 1.
@@ -21,7 +21,7 @@ impl Shard {
 }
 
 impl Shard {
-    /// How many of so many members are in it.
+    /// The number of members in it, of all.
     pub fn size(self, members: usize) -> usize {
         (members + self.of - self.part) / self.of
     }

@@ -28,7 +28,7 @@ pub struct TraceAxes {
 }
 
 impl TraceAxes {
-    /// Of runs that last so long.
+    /// For runs of this duration.
     pub(super) fn new(duration_ms: f64, quantities: Vec<&'static str>) -> Self {
         let interval_ms = INTERVAL_MS.max(duration_ms / MOST);
         Self { quantities, interval_ms, times: (duration_ms / interval_ms + 1e-9) as usize + 1 }
@@ -96,7 +96,7 @@ impl Traces {
         (member - self.part.part) / self.part.of
     }
 
-    /// Whether the curves of a row are as they were when it was noted.
+    /// Whether the curves of a row have not changed since it was recorded.
     pub(super) fn has(&self, row: &VariationRow) -> Result<bool, FileError> {
         let curves = self.records().read(self.place(row.member))?;
         Ok(if row.curves.is_empty() {
@@ -110,11 +110,12 @@ impl Traces {
         self.records.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Keeps the curves of some members, which are on the disk when this returns: the hash of each, empty of a member
-    /// without curves.
+    /// Writes the curves of some members, which are on the disk when this returns; returns the hash
+    /// of each, empty for a member without curves.
     ///
     /// # Errors
-    /// [`Interrupted`], where the disk does not take them; the study ends, and [`Traces::failure`] says why.
+    /// [`Interrupted`], if they cannot be written; the study ends, and [`Traces::failure`] says
+    /// why.
     pub(super) fn keep(
         &self,
         members: &[&Variation],
@@ -145,7 +146,7 @@ fn hash(curves: &[f32]) -> String {
     sha256(&curves.iter().copied().flat_map(f32::to_le_bytes).collect::<Vec<u8>>())
 }
 
-/// The rows of a part whose curves in its folder are as they were when the row was noted.
+/// The rows of a part whose curves in its folder have not changed since the row was recorded.
 ///
 /// # Errors
 /// A file that cannot be read or written.
@@ -181,7 +182,7 @@ pub fn merge_traces(
         let mut records = Records::open(&folder.join(TRACES), &shape(count))?;
         for record in 0..count {
             let curves = records.read(record)?;
-            // Parts that overlap agree, and one may have come further than the other.
+            // Overlapping parts agree, but one may contain more members than the other.
             if curves.iter().any(|number| !number.is_nan()) {
                 whole.write(part - 1 + record * of, &curves)?;
             }

@@ -6,9 +6,9 @@ use std::borrow::Cow;
 /// The values of all members: one row a member, one column a varied number.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// Rows of a design, each made when it is asked for.
+    /// Rows of a design, each computed on request.
     Sampled(ParameterSample),
-    /// Rows that somebody else has made.
+    /// Given rows.
     Table(Vec<Vec<f64>>),
 }
 

@@ -2,11 +2,11 @@
 
 use super::super::{Cause, Interrupted, Journal, StudyError};
 use super::alone::{self, Wanted};
+use super::cell_metrics;
 use super::description::{CountedBeat, MemberKind, ParameterStudy, Varied, run_of};
 use super::error::ParameterStudyError;
 use super::member::{Variation, VariationRow};
 use super::shard::Shard;
-use super::told;
 use super::traces::{TraceAxes, Traces};
 use crate::analysis::beat::{Beats, known};
 use crate::cell::batch;
@@ -34,33 +34,33 @@ pub struct Common {
     files: BTreeMap<String, Vec<u8>>,
     /// Units of the metrics, in their order.
     pub units: Vec<&'static str>,
-    /// The metrics of the run without any change, in their order; empty until it has beaten.
+    /// The metrics of the unchanged run, in their order; empty until it was simulated.
     pub usual: Vec<Option<f64>>,
-    /// What the curves that are kept of each member have in common; `None` where none are.
+    /// The axes of the members' stored curves; `None` if none are stored.
     pub axes: Option<TraceAxes>,
     /// The curves of the run without any change, quantity by quantity.
     pub usual_curves: Vec<f32>,
     /// How many members the study has.
     members: usize,
     traces: Option<Traces>,
-    /// Curves by member that somebody else keeps.
+    /// Curves by member for the caller to store.
     handed: Option<Mutex<BTreeMap<usize, Vec<f32>>>>,
-    /// Whether cells tell of their beats without samples, so that many take little time.
+    /// Whether cells return metrics of beats without samples, so that many take little time.
     pub(super) tells_beats: bool,
     body: Option<Body>,
 }
 
-/// A member that is done, and its curves where they are wanted.
+/// A finished member, and its curves if requested.
 type Done = (VariationRow, Vec<f32>);
 
 /// What the beats have in common.
 struct Body {
     bytes: ShapeBytes,
-    /// The shape that was meshed, where it is everyone's.
+    /// The shape that was meshed, if all members share it.
     shaped: Option<Shaped>,
-    /// The mesh with its fibres, where these are everyone's, too.
+    /// The mesh with its fibres, if all members share them, too.
     meshed: Option<Meshed>,
-    /// Whether all that is left to differ is the course of tension, so that members share their equilibria.
+    /// Whether members differ only in the course of tension, so that they share their equilibria.
     shares_path: bool,
     path: Mutex<Option<Result<Arc<SharedPath>, String>>>,
 }
@@ -70,7 +70,7 @@ struct Meshed {
     places: Places,
 }
 
-/// Keys under which a number changes nothing but the course of tension.
+/// Keys of numbers that change only the course of tension.
 const TENSION_ONLY: [&str; 3] = ["cell.", "stimulus.", "run."];
 /// Keys of numbers that decide the mesh.
 const SHAPING: [&str; 2] = ["shape.", "segmentation."];
@@ -79,10 +79,12 @@ const FIBRES: [&str; 3] =
     ["mechanics.fibre", "mechanics.myofibril_content", "mechanics.sarcomere_"];
 
 impl Common {
-    /// Makes what members share, and beats the run without any change. `read` reads a file by its name as written.
+    /// Prepares what members share, and simulates the unchanged run. `read` reads a file by its
+    /// name as written.
     ///
     /// # Errors
-    /// A shape that cannot be made, a run that cannot beat, or a metric that it does not have.
+    /// A shape that cannot be made, a run that cannot be simulated, or a metric that it does not
+    /// have.
     pub fn new(
         study: &ParameterStudy,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
@@ -100,8 +102,8 @@ impl Common {
         Ok(common)
     }
 
-    /// As [`Common::new`], without a beat: [`Common::usual`] stays empty. `shaped` is the shape of the run, where it
-    /// is meshed already.
+    /// As [`Common::new`], without a simulation: [`Common::usual`] stays empty. `shaped` is the
+    /// shape of the run, if it is already meshed.
     ///
     /// # Errors
     /// A shape that cannot be made, or a metric that beats do not have.
@@ -114,7 +116,7 @@ impl Common {
         let at_rest = run.cell.initial_state();
         let in_mv = run.cell.membrane_potential_mv(&at_rest).is_some();
         let quantities = match study.kind {
-            MemberKind::Cell => told::quantities(&*run.cell),
+            MemberKind::Cell => cell_metrics::quantities(&*run.cell),
             MemberKind::Beat => of_runs(&run),
         };
         let mut common = Self {
@@ -146,10 +148,10 @@ impl Common {
                 });
                 driven.map_err(|error| ParameterStudyError::Base(error.to_string()))?;
                 common.files = files.into_inner().unwrap_or_else(PoisonError::into_inner);
-                told::metrics(&run)
+                cell_metrics::metrics(&run)
             }
             MemberKind::Beat => {
-                // A metric that this cell does not have is one that none of its beats shows.
+                // A metric that this cell does not have is missing in all its beats.
                 known(in_mv).iter().map(|metric| (metric.name, metric.unit)).collect()
             }
         };
@@ -168,7 +170,8 @@ impl Common {
         Ok(common)
     }
 
-    /// Keeps the curves of the members of a part in a folder, where the study wants them: [`TRACES`](super::TRACES).
+    /// Stores the curves of the members of a part in a folder, if the study requests them:
+    /// [`TRACES`](super::TRACES).
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -179,21 +182,22 @@ impl Common {
         Ok(Self { traces, ..self })
     }
 
-    /// Hands the curves of members on, where the study wants them, for somebody else to keep: [`Common::handed`].
+    /// Returns the curves of members, if the study requests them, for the caller to store:
+    /// [`Common::handed`].
     #[must_use]
     pub fn handing_on(self) -> Self {
         Self { handed: Some(Mutex::default()), ..self }
     }
 
-    /// The curves of a member that was done, once; empty where there are none.
+    /// The curves of a finished member, returned once; empty if there are none.
     pub fn handed(&self, member: usize) -> Vec<f32> {
         let Some(handed) = &self.handed else { return Vec::new() };
         let mut handed = handed.lock().unwrap_or_else(PoisonError::into_inner);
         handed.remove(&member).unwrap_or_default()
     }
 
-    /// Keeps curves that were handed on elsewhere, empty ones of members that have none; what their rows are to have as
-    /// [`VariationRow::curves`].
+    /// Stores curves that were computed elsewhere, empty ones for members without curves; returns
+    /// the values for [`VariationRow::curves`].
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -210,7 +214,8 @@ impl Common {
         }
     }
 
-    /// Takes members of a journal for not done whose curves on the disk are not those that were noted.
+    /// Marks members of a journal as not done if their curves on the disk are not those that were
+    /// recorded.
     ///
     /// # Errors
     /// Curves or a journal that cannot be read.
@@ -234,12 +239,12 @@ impl Common {
         Ok(())
     }
 
-    /// Why curves were not kept.
+    /// Why curves were not stored.
     pub(super) fn failure(&self) -> Option<FileError> {
         self.traces.as_ref()?.failure()
     }
 
-    /// The rows of members, once their curves are kept.
+    /// The rows of members, after their curves are stored.
     fn kept(
         &self,
         members: &[&Variation],
@@ -267,7 +272,7 @@ impl Common {
         done.into_iter().map(|done| done.map(|(row, _)| row)).collect()
     }
 
-    /// What every member is.
+    /// The kind of members.
     pub fn kind(&self) -> MemberKind {
         self.kind
     }
@@ -295,7 +300,7 @@ impl Common {
         self.varied.iter().map(|varied| varied.number.key.as_str())
     }
 
-    /// Makes the shape and the mesh, as far as all members have the same.
+    /// Prepares the shape and the mesh, as far as all members share them.
     fn share(
         &mut self,
         run: &Run,
@@ -329,7 +334,7 @@ impl Common {
         Ok(())
     }
 
-    /// The rows of some members; once they are asked to end early, those that are not done yet are [`Interrupted`].
+    /// The rows of some members; after an interruption, those not done yet are [`Interrupted`].
     pub fn rows(
         &self,
         members: &[&Variation],
@@ -350,9 +355,9 @@ impl Common {
         let values = member.map_or(&[][..], |member| &member.values);
         let file = run_of(&self.run, &self.varied, values)?;
         let ready = self.ready(&file, interruption);
-        // Whatever else it says then comes of that.
+        // Any other error is a consequence of the interruption.
         interruption.check()?;
-        let outcome = ready?.run(|_progress| !interruption.is_asked());
+        let outcome = ready?.run(|_progress| !interruption.is_requested());
         match &outcome.stop {
             Some(StopReason::Interrupted { .. }) => return Err(Interrupted.into()),
             Some(reason) => return Err(reason.to_string().into()),
@@ -390,7 +395,7 @@ impl Common {
         let run = file.resolve()?.interrupted_by(interruption);
         let mut simulation = self.simulation(body, &run)?;
         if !file.has("numerics.frame_interval") {
-            // Nobody looks at the shapes in between.
+            // Shapes between outputs are not needed.
             let output = simulation.numerics.output_interval;
             simulation.numerics.frame_interval =
                 output * (simulation.duration / output).ceil().max(1.0);
@@ -404,7 +409,7 @@ impl Common {
             let mut path = body.path.lock().unwrap_or_else(PoisonError::into_inner);
             if path.is_none() {
                 let solved = simulation.shared_path(Tolerance::default());
-                // A search that was interrupted says nothing of the path.
+                // After an interruption, an error of the path is not valid.
                 interruption.check()?;
                 *path = Some(solved.map(Arc::new).map_err(|error| error.to_string()));
             }
@@ -427,7 +432,7 @@ impl Common {
         Ok(run.make(shaped, read)?.simulation)
     }
 
-    /// The metrics that are wanted, in their order.
+    /// The requested metrics, in their order.
     fn of_beats(&self, beats: &Beats) -> Vec<Option<f64>> {
         let whole = |name: &str| beats.energy.iter().find(|metric| metric.name == name);
         let of = |name: &String| match (self.beat, whole(name)) {
@@ -448,11 +453,11 @@ impl Common {
         let Self { run, varied, metrics, beat, axes, files, .. } = self;
         let axes = axes.as_ref();
         let wanted = Wanted { run, varied, metrics, beat: *beat, axes, files };
-        alone::cells(&wanted, members, &|| !interruption.is_asked())
+        alone::cells(&wanted, members, &|| !interruption.is_requested())
     }
 }
 
-/// What curves show of runs.
+/// The quantities of curves of runs.
 fn of_runs(run: &Run) -> Vec<&'static str> {
     let at_rest = run.cell.initial_state();
     let mut quantities = Vec::new();

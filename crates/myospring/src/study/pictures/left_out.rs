@@ -1,4 +1,4 @@
-//! Which cells are not beaten, why, and how that is told beside the picture.
+//! Which cells are not simulated, why, and the notes on them.
 
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use std::fmt;
@@ -6,7 +6,7 @@ use std::fmt;
 /// How many notes on single cells are shown with a picture.
 const MOST_NOTES: usize = 12;
 
-/// What a person should know when they look at the picture: cells that are left out for one reason together.
+/// The notes shown with a picture: cells that are left out, grouped by reason.
 pub(super) fn notes(
     cells: &PictureCells,
     chosen: &[PictureCell],
@@ -45,18 +45,18 @@ pub(super) fn notes(
     notes
 }
 
-/// Why a cell is not beaten.
+/// Why a cell is not simulated.
 pub(super) enum LeftOut {
     /// The frame cuts it, with so many of its pixels on it.
     Cut { pixels: usize },
-    /// Its area is beside what is expected.
+    /// Its area is not as expected.
     Area(String),
     /// Its outline is doubtful.
     Doubtful(String),
 }
 
 impl LeftOut {
-    /// Why a cell is left out; `None` where nothing speaks against it.
+    /// Why a cell is left out; `None` if it is simulated.
     pub(super) fn of(cells: &PictureCells, cell: &PictureCell, allow_cut: bool) -> Option<Self> {
         let pixels = cell.shape.pixels_on_frame;
         if pixels > 0 && !allow_cut {

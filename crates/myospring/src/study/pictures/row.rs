@@ -16,7 +16,7 @@ pub struct CellRow {
     pub cell: Option<String>,
     /// The group to which the picture belongs.
     pub group: Option<String>,
-    /// What became of it.
+    /// Its status.
     pub status: Status,
     /// Why it is not ok; else empty.
     pub reason: String,
@@ -24,12 +24,12 @@ pub struct CellRow {
     pub modality: Option<String>,
     /// Numbers by column, with the unit in its name, in the order of reading.
     pub numbers: Vec<(String, Option<f64>)>,
-    /// What a person should look at.
+    /// Warnings.
     pub warnings: String,
 }
 
 impl CellRow {
-    /// What is known of a cell before it beats.
+    /// The row of a cell before its simulation.
     pub(super) fn of(picture: &str, cells: &PictureCells, cell: &PictureCell) -> Self {
         let (shape, size) = (&cell.shape, &cell.shape.dimensions);
         let mut row = Self {
@@ -63,7 +63,7 @@ impl CellRow {
         self.numbers.push((column.into(), value.into()));
     }
 
-    /// Adds what the picture shows of the fibres; nothing is known where it was not looked at.
+    /// Adds what the picture shows of the fibres; empty if the picture was not searched.
     pub(super) fn fibres(&mut self, report: &FibreReport) {
         let seen = report.seen.as_ref();
         let none_read = report.not_read.as_ref().map(|_| 0.0);
@@ -80,7 +80,8 @@ impl CellRow {
         self.number("fibre_angle_to_axis_deg", seen.map(|seen| seen.angle_to_axis_deg));
     }
 
-    /// Adds the metrics of the first beat that counts; of several, their means; and what an S2 is against them.
+    /// Adds the metrics of the first beat that counts, or the means over several, and those of an
+    /// S2 relative to them.
     pub(super) fn metrics(&mut self, summary: &Summary) {
         let Some(first) = summary.usual() else { return };
         for metric in first.metrics() {
@@ -117,7 +118,7 @@ impl Row for CellRow {
         self.status
     }
 
-    /// Columns of numbers stand in the order of the row that has most of them.
+    /// Columns are in the order of the row that has most of them.
     fn table(rows: &[Self]) -> Table {
         let text = |name: &str, read: fn(&Self) -> Option<String>| Column::Text {
             name: name.to_owned(),

@@ -1,4 +1,4 @@
-//! A table of pictures: the settings that each of them has of its own, and its group.
+//! A table of pictures: the own settings of each, and its group.
 
 use super::Picture;
 use crate::measured::decoded;
@@ -9,17 +9,17 @@ use std::path::{Path, PathBuf};
 
 /// Columns that name the picture.
 const FILE: [&str; 2] = ["file", "picture"];
-/// Column that is handed on to the results.
+/// Column that is copied to the results.
 const GROUP: &str = "group";
-/// Keys that say what a run is about, or would name its shape a second time.
+/// Keys that are not columns: the title, and keys that would name the shape a second time.
 const NO_COLUMNS: [&str; 4] = ["title", "shape.built_in", "shape.picture", "shape.outline"];
 /// How many missing files are named.
 const FEW: usize = 10;
 
-/// Why a table names no pictures.
+/// Errors of a table of pictures.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TableError {
-    /// It is no table of text.
+    /// It is not a text table.
     #[error("`{table}`: {cause}; save it as CSV, with the names of the columns in the first line")]
     Unreadable {
         /// The table.
@@ -27,7 +27,7 @@ pub enum TableError {
         /// What is wrong, with the line.
         cause: String,
     },
-    /// A column that stands for no setting.
+    /// A column that is not a setting.
     #[error(
         "`{table}`, line 1, column {column}: there is no setting `{name}`{}; columns are file, group, and any option \
          or key of a run file, like pixel_size, modality, channel, threshold, seed, outline, stain",
@@ -54,7 +54,7 @@ pub enum TableError {
         first: usize,
         /// The second.
         second: usize,
-        /// What they stand for.
+        /// Their meaning.
         name: String,
     },
     /// No column of files.
@@ -88,7 +88,7 @@ pub enum TableError {
         /// Each place with what is missing there.
         places: Vec<String>,
     },
-    /// A line that says what another one says.
+    /// A line that repeats another.
     #[error(
         "`{table}`, line {line} repeats line {first}: the cell would count twice; leave one out, or give them \
          seeds"
@@ -132,7 +132,7 @@ pub struct TableSetting {
     pub column: String,
 }
 
-/// What a column stands for.
+/// The meaning of a column.
 #[derive(Clone, Copy)]
 enum Column {
     File,
@@ -187,13 +187,14 @@ fn settings() -> impl Iterator<Item = &'static Setting> {
 
 /// Reads a table of pictures: `bytes` are those of the file `name`, and files are looked for in `folder`.
 ///
-/// The first line names the columns: `file`; `group`, which is handed on to the results; and any option or key of a
-/// setting. Values are written as options take them, numbers also without their unit, which is then um, ms, kPa and
-/// so on; an empty one leaves the setting as it is for all. Commas, semicolons or tabs part the columns. Several
-/// lines may name one file, for several of its cells.
+/// The first line names the columns: `file`; `group`, which is copied to the results; and any
+/// option or key of a setting. Values are written as options take them, numbers also without their
+/// unit, which is then um, ms, kPa and so on; an empty one leaves the common setting unchanged.
+/// Commas, semicolons or tabs separate the columns. Several lines may name one file, for several of
+/// its cells.
 ///
 /// # Errors
-/// A table that cannot be read, columns that stand for nothing, files that are not there, a line that repeats
+/// A table that cannot be read, unknown columns, files that are not there, a line that repeats
 /// another.
 ///
 /// # Example
@@ -243,7 +244,7 @@ pub fn read_table(bytes: &[u8], name: &str, folder: &Path) -> Result<Vec<Picture
     checked(lines, table, folder)
 }
 
-/// The line of a record, from 1; a position stands before the empty lines and comments that were passed over.
+/// The line of a record, from 1; a position is that before skipped empty lines and comments.
 fn line_of(text: &str, position: Option<&csv::Position>) -> u64 {
     let byte = position.map_or(0, |position| position.byte() as usize).min(text.len());
     let (before, rest) = text.split_at(byte);
@@ -251,7 +252,7 @@ fn line_of(text: &str, position: Option<&csv::Position>) -> u64 {
     (before.matches('\n').count() + passed.count() + 1) as u64
 }
 
-/// What parts the columns: whatever the first line has most of.
+/// The separator of columns: the most frequent one in the first line.
 fn separator(text: &str) -> u8 {
     let lines = text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty());
     let first = lines.take(1).collect::<String>();
@@ -331,7 +332,7 @@ impl Line {
         }
     }
 
-    /// All that makes it differ from other lines.
+    /// All of its content, to compare it with other lines.
     fn content(&self) -> String {
         let given: Vec<String> =
             self.given.iter().map(|given| format!("{} = {}", given.key, given.value)).collect();
@@ -364,7 +365,7 @@ fn read(setting: &Setting, text: &str, decimal_commas: bool) -> Value {
     }
 }
 
-/// The pictures of the lines, each with a name of its own.
+/// The pictures of the lines, each with a unique name.
 fn checked(lines: Vec<Line>, table: String, folder: &Path) -> Result<Vec<Picture>, TableError> {
     if lines.is_empty() {
         return Err(TableError::Empty { table });

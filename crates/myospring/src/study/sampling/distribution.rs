@@ -1,4 +1,4 @@
-//! How likely the values of a parameter are.
+//! Distributions of parameter values.
 
 use super::error::SamplingError;
 use serde::{Deserialize, Serialize};
@@ -11,26 +11,26 @@ const ENDS: [f64; 2] = [0.025, 0.975];
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "distribution", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Distribution {
-    /// Always the same.
+    /// A constant.
     Fixed {
         /// Its value.
         value: f64,
     },
-    /// Every value from `low` to `high` as likely.
+    /// Every value from `low` to `high` is equally likely.
     Uniform {
         /// Least.
         low: f64,
         /// Largest.
         high: f64,
     },
-    /// Every factor as likely: the logarithm is uniform.
+    /// Every factor is equally likely: the logarithm is uniform.
     LogUniform {
         /// Least, above 0.
         low: f64,
         /// Largest.
         high: f64,
     },
-    /// Gauss's.
+    /// The normal distribution.
     Normal {
         /// Its mean.
         mean: f64,
@@ -52,7 +52,7 @@ impl Distribution {
         matches!(self, Self::Fixed { .. })
     }
 
-    /// Fails where its numbers make no distribution.
+    /// Checks its numbers.
     ///
     /// # Errors
     /// Which number, and what it must be.
@@ -89,7 +89,7 @@ impl Distribution {
         })
     }
 
-    /// That of the same numbers times `factor`.
+    /// The distribution of the same values times `factor`.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         match self {
@@ -111,8 +111,8 @@ impl Distribution {
         }
     }
 
-    /// The value below which the part `place` of all values lies. At 0 and 1, where a distribution without ends has
-    /// none, that of 2.5 and 97.5 %.
+    /// The quantile of the probability `place`. At 0 and 1 of an unbounded distribution, that of
+    /// 2.5 and 97.5 %.
     pub fn quantile(&self, place: f64) -> f64 {
         let normal = || {
             let place = if place <= 0.0 {

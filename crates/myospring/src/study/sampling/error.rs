@@ -1,4 +1,4 @@
-//! Why there is no sample.
+//! Errors of sampling.
 
 /// More rows than this are refused: their matrix would not fit into memory.
 pub(super) const MOST_ROWS: usize = 100_000_000;
@@ -9,7 +9,7 @@ pub const MOST_DIMENSIONS: usize = 512;
 /// Why there is no sample.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SamplingError {
-    /// A distribution that is none.
+    /// An invalid distribution.
     #[error("a {kind} distribution needs {must}, but {what} is {value}")]
     Distribution {
         /// Its word.

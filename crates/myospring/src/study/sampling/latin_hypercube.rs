@@ -7,7 +7,7 @@ use super::random::Random;
 pub(super) struct LatinHypercube {
     seed: u64,
     size: usize,
-    /// For each column the stratum of every point: a permutation, so it has to be there as a whole.
+    /// For each column the stratum of every point: a permutation, which must be stored as a whole.
     strata: Vec<Vec<u32>>,
 }
 

@@ -12,7 +12,7 @@ pub(super) fn point(levels: usize, dimensions: usize, seed: u64, row: usize) -> 
     let mut order: Vec<usize> = (0..dimensions).collect();
     random.shuffle(&mut order);
     for &moved in &order[..moves] {
-        // Half of the levels lie below the step, so there is one way to go.
+        // Half of the levels lie below the step, so only one direction is possible.
         place[moved] = if place[moved] < step { place[moved] + step } else { place[moved] - step };
     }
     place.iter().map(|&level| level as f64 / last as f64).collect()

@@ -1,4 +1,4 @@
-//! The points of a sampler, each made when it is asked for.
+//! The points of a sampler, each computed on request.
 
 use super::error::SamplingError;
 use super::latin_hypercube::LatinHypercube;
@@ -6,8 +6,9 @@ use super::sampler::Sampler;
 use super::sobol_sequence::SobolSequence;
 use super::{morris, saltelli};
 
-/// The points of a sampler in the unit cube. Any of them can be had without the others, so a part of a large design
-/// takes no more memory than that of a small one; but for a Latin hypercube, which keeps 4 bytes a number.
+/// The points of a sampler in the unit cube. Each can be computed without the others, so a part of
+/// a large design takes no more memory than that of a small one, except for a Latin hypercube,
+/// which stores 4 bytes a number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Points {
     rows: usize,
@@ -60,7 +61,7 @@ impl Points {
         self.rows
     }
 
-    /// The point of a row, from 0; none past the last.
+    /// The point of a row, from 0; `None` past the last.
     pub fn point(&self, row: usize) -> Option<Vec<f64>> {
         let dimensions = self.dimensions;
         (row < self.rows).then(|| match &self.from {

@@ -1,4 +1,4 @@
-//! Random numbers that are the same on every machine and for ever: `ChaCha8`.
+//! Random numbers that are the same on every machine and in every version: `ChaCha8`.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
@@ -7,14 +7,14 @@ use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
 pub(in crate::study) struct Random(ChaCha8Rng);
 
 impl Random {
-    /// That of a seed; `stream` parts what is drawn for different ends.
+    /// The stream of a seed; `stream` separates numbers for different purposes.
     pub(in crate::study) fn new(seed: u64, stream: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(stream);
         Self(generator)
     }
 
-    /// Passes over so many numbers, as fast as over none.
+    /// Skips numbers, in constant time.
     pub(super) fn skip(&mut self, numbers: usize) {
         let words = 2 * numbers as u128;
         self.0.set_word_pos(self.0.get_word_pos() + words);
@@ -30,7 +30,7 @@ impl Random {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// A whole number below `end`, each as likely to 1 in 2^53.
+    /// A whole number below `end`, each equally likely to 1 in 2^53.
     pub(in crate::study) fn below(&mut self, end: usize) -> usize {
         ((self.unit() * end as f64) as usize).min(end - 1)
     }

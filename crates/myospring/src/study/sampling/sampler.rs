@@ -1,4 +1,4 @@
-//! The ways to place points.
+//! Samplers: how points are placed.
 
 use super::error::{MOST_ROWS, SamplingError};
 use serde::{Deserialize, Serialize};
@@ -7,19 +7,20 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "sampler", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Sampler {
-    /// Every combination of so many values of each parameter, evenly spaced in probability from one end of its
-    /// distribution to the other; the last parameter changes fastest.
+    /// Every combination of a number of values of each parameter, evenly spaced in probability from
+    /// one end of its distribution to the other; the last parameter changes fastest.
     Grid {
         /// Values of each parameter.
         levels: usize,
     },
-    /// For each parameter so many of its values, evenly spaced in probability, with all others in the middle of their
-    /// distributions.
+    /// For each parameter a number of its values, evenly spaced in probability, with all others in
+    /// the middle of their distributions.
     OneAtATime {
         /// Values of each parameter; with an odd number the middle is one of them.
         levels: usize,
     },
-    /// So many rows, in each column one value in each of as many equally likely strata (McKay et al. 1979).
+    /// A number of rows, in each column one value in each of as many equally likely strata (McKay
+    /// et al. 1979).
     LatinHypercube {
         /// Rows.
         size: usize,
@@ -34,7 +35,7 @@ pub enum Sampler {
     Saltelli {
         /// Base points; a power of two is best.
         size: usize,
-        /// Whether interactions of pairs of parameters are wanted, too.
+        /// Whether to compute interactions of pairs of parameters, too.
         #[serde(default)]
         pairs: bool,
     },
@@ -53,10 +54,10 @@ fn usual_levels() -> usize {
 }
 
 impl Sampler {
-    /// How many rows it gives for so many parameters that vary.
+    /// The number of rows for this number of varied parameters.
     ///
     /// # Errors
-    /// A size of nothing, or too many rows.
+    /// A size of 0, or too many rows.
     pub fn rows(&self, dimensions: usize) -> Result<usize, SamplingError> {
         let at_least = |what, value, least: usize, must| {
             if value >= least { Ok(()) } else { Err(SamplingError::Size { what, value, must }) }

@@ -37,8 +37,8 @@ fn directions(polynomial: u64, initial: &[u64]) -> [u64; BITS] {
     v
 }
 
-/// The sequence, each digit of a column changed or not as a random number has it: as even as the sequence, and never on
-/// the border.
+/// The sequence with a random digital shift for each column: as uniform as the sequence, and never
+/// on the border.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct SobolSequence {
     shifts: Vec<u64>,
@@ -66,7 +66,7 @@ impl SobolSequence {
 fn digits(dimension: usize, row: usize) -> u64 {
     // Gray's code: one bit changes from one row to the next (Antonov and Saleev 1979).
     let gray = row ^ (row >> 1);
-    // In the first dimension digits are turned round: van der Corput's sequence.
+    // In the first dimension digits are reversed: van der Corput's sequence.
     let direction = |bit: usize| match dimension {
         0 => 1 << (BITS - 1 - bit),
         _ => DIRECTIONS[dimension - 1][bit],

@@ -1,9 +1,9 @@
-//! Why there are no indices.
+//! Errors of a sensitivity analysis.
 
-/// Why there are no indices.
+/// Errors of a sensitivity analysis.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SensitivityError {
-    /// Another number of answers than a design has rows.
+    /// The number of answers is not the number of rows of the design.
     #[error(
         "{answers} answers are not a multiple of {rows}, the rows of one of the {of} for {parameters} parameters; \
         analyse all rows of the design, in its order"
@@ -18,7 +18,7 @@ pub enum SensitivityError {
         /// Parameters.
         parameters: usize,
     },
-    /// Hardly anything is left.
+    /// Too few complete groups.
     #[error(
         "only {whole} of {all} {of} have an answer in every row; 2 are needed: see why members failed"
     )]

@@ -1,4 +1,4 @@
-//! Answers in groups of rows, and what is said of a list of numbers.
+//! Answers in groups of rows, and statistics of numbers.
 
 use super::error::SensitivityError;
 

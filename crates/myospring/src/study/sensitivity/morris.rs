@@ -8,7 +8,8 @@ use serde::Serialize;
 /// A group of rows of the design.
 const GROUP: &str = "trajectories";
 
-/// What one parameter does, in units of the answer, for a step over the parameter's whole range.
+/// The effect of one parameter, in units of the answer, for a step over the parameter's whole
+/// range.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Effect {
     /// Mean of the elementary effects.
@@ -17,7 +18,7 @@ pub struct Effect {
     pub mean_size: f64,
     /// Half of its 95 % confidence interval, by bootstrap over the trajectories.
     pub confidence: f64,
-    /// Their standard deviation: high where the effect is curved or hangs on other parameters.
+    /// Their standard deviation: high if the effect is nonlinear or depends on other parameters.
     pub spread: f64,
 }
 
@@ -32,12 +33,13 @@ pub struct Effects {
     pub left_out: usize,
 }
 
-/// The effects on one answer for the rows of [`Sampler::Morris`](super::super::sampling::Sampler::Morris); `points` are
-/// those rows in the unit cube ([`unit_cube`](super::super::sampling::Sampler::unit_cube)), `seed` decides the resamples
-/// of the confidence interval.
+/// The effects on one answer for the rows of
+/// [`Sampler::Morris`](super::super::sampling::Sampler::Morris); `points` are those rows in the
+/// unit cube ([`unit_cube`](super::super::sampling::Sampler::unit_cube)), `seed` is that of the
+/// resamples of the confidence interval.
 ///
 /// # Errors
-/// Answers of another number of rows, or fewer than two trajectories without a failure.
+/// A wrong number of answers, or fewer than two trajectories without a failure.
 pub fn morris(
     points: &[Vec<f64>],
     answers: &[f64],

@@ -8,16 +8,16 @@ use serde::Serialize;
 /// A group of rows of the design.
 const GROUP: &str = "base points";
 
-/// An index and how far it may be off.
+/// An index with its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Index {
-    /// Part of the variance, 0 to 1 but for the error of sampling.
+    /// Part of the variance, 0 to 1 up to the error of sampling.
     pub value: f64,
     /// Half of the 95 % confidence interval, by bootstrap over the base points.
     pub confidence: f64,
 }
 
-/// What two parameters cause together beyond what each causes alone.
+/// The interaction of two parameters beyond the effects of each alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pair {
     /// The two parameters, by their columns.
@@ -29,11 +29,13 @@ pub struct Pair {
 /// Sobol's indices of one answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Indices {
-    /// Of each parameter: what would go if it alone were known (Saltelli et al. 2010, Table 2 b).
+    /// For each parameter: the part of the variance that would vanish if it alone were known
+    /// (Saltelli et al. 2010, Table 2 b).
     pub first: Vec<Index>,
-    /// Of each parameter: what would stay if all others were known (Jansen 1999).
+    /// For each parameter: the part of the variance that would remain if all others were known
+    /// (Jansen 1999).
     pub total: Vec<Index>,
-    /// Of each pair of parameters, where the design has them (Saltelli 2002).
+    /// For each pair of parameters, if the design has them (Saltelli 2002).
     pub pairs: Vec<Pair>,
     /// Base points that were used.
     pub used: usize,
@@ -41,13 +43,15 @@ pub struct Indices {
     pub left_out: usize,
 }
 
-/// The indices of one answer for the rows of [`Sampler::Saltelli`](super::super::sampling::Sampler::Saltelli); `seed`
-/// decides the resamples of the confidence intervals.
+/// The indices of one answer for the rows of
+/// [`Sampler::Saltelli`](super::super::sampling::Sampler::Saltelli); `seed` is that of the
+/// resamples of the confidence intervals.
 ///
 /// Estimators are those of SALib 1.6, so that the same rows give the same indices.
 ///
 /// # Errors
-/// Answers of another number of rows, fewer than two base points without a failure, or answers that do not vary.
+/// A wrong number of answers, fewer than two base points without a failure, or answers that do not
+/// vary.
 pub fn sobol(
     answers: &[f64],
     parameters: usize,

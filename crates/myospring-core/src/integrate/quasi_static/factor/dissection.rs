@@ -112,7 +112,7 @@ impl Knife<'_> {
             return None;
         }
         let (mut end, mut halves) = (start, [None; 2]);
-        if nodes.len() > SMALLEST && !self.interruption.is_asked() {
+        if nodes.len() > SMALLEST && !self.interruption.is_requested() {
             let [below, above] = self.divide(nodes);
             halves[0] = self.cut(&mut nodes[..below], end, depth + 1);
             end += below;

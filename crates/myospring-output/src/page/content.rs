@@ -1,4 +1,4 @@
-//! What a page is given.
+//! The content of a page.
 
 use super::cell::BeatingCells;
 use super::chart::Chart;
@@ -14,11 +14,11 @@ pub struct Page<'a> {
     pub kind: &'a str,
     /// Its title: any text.
     pub title: &'a str,
-    /// What was done to what, a few words each.
+    /// Facts about the experiment, a few words each.
     pub facts: Vec<String>,
     /// The answer.
     pub answer: Option<Answer>,
-    /// What a person should know first, such as that a run stopped early.
+    /// Warnings, such as that a run stopped early.
     pub warnings: Vec<String>,
     /// Everything else, in the order of reading.
     pub sections: Vec<Section<'a>>,
@@ -29,7 +29,7 @@ pub struct Page<'a> {
 pub struct Answer {
     /// A sentence.
     pub words: String,
-    /// How good it is, which is the colour beside it.
+    /// Its quality, shown as a colour.
     pub quality: Quality,
 }
 
@@ -48,7 +48,7 @@ pub enum Quality {
 /// A heading with what is below it.
 #[derive(Debug, Clone)]
 pub struct Section<'a> {
-    /// Its name in the page; each section has another.
+    /// Its unique name in the page.
     pub id: &'static str,
     /// Its heading.
     pub title: String,
@@ -84,7 +84,7 @@ pub enum Part<'a> {
     Figure(Drawing),
     /// Sentences; those of several are a list.
     Words(Vec<String>),
-    /// Text to copy or to keep as a file.
+    /// Text to copy or to save as a file.
     Text {
         /// What it is: `run file`.
         what: String,
@@ -99,7 +99,7 @@ pub enum Part<'a> {
         title: String,
         /// Whether it is printed.
         on_paper: bool,
-        /// What is behind.
+        /// The parts.
         parts: Vec<Part<'a>>,
     },
 }

@@ -1,4 +1,4 @@
-//! What is told of cells without a mesh: their metrics and what curves show of them, as their models have it.
+//! Metrics and curves of cells without a mesh, as far as their models have them.
 
 use crate::cell::batch::{CellBeat, CellSample};
 use crate::cell::{CellModel, Input, TensionKind};
@@ -7,12 +7,12 @@ use crate::settings::Run;
 /// A sample and its time, ms.
 pub(super) type Timed = (f64, CellSample);
 
-/// What curves show of cells of a model.
+/// The quantities of curves of cells of a model.
 pub(super) fn quantities(model: &dyn CellModel) -> Vec<&'static str> {
     shown(model).into_iter().map(|(name, _)| name).collect()
 }
 
-/// What curves show of a sample whose tension is in kPa.
+/// A quantity of a sample whose tension is in kPa.
 pub(super) type Shown = (&'static str, fn(&Timed) -> f64);
 
 pub(super) fn shown(model: &dyn CellModel) -> Vec<Shown> {
@@ -61,8 +61,8 @@ pub(super) fn metrics(run: &Run) -> Vec<(&'static str, &'static str)> {
     all
 }
 
-/// A metric that beats tell without samples; `scale` is in kPa per unit of their tension.
-pub(super) fn told(beat: &CellBeat, name: &str, scale: f64) -> Option<f64> {
+/// A metric that beats have without samples; `scale` is in kPa per unit of their tension.
+pub(super) fn metric_of_beat(beat: &CellBeat, name: &str, scale: f64) -> Option<f64> {
     match name {
         "peak_tension" => Some(scale * beat.peak_tension),
         "time_to_peak_tension" => Some(beat.peak_tension_ms - beat.stimulus_ms),
@@ -73,8 +73,8 @@ pub(super) fn told(beat: &CellBeat, name: &str, scale: f64) -> Option<f64> {
     }
 }
 
-/// What beats tell without samples.
-pub(super) const TOLD: [&str; 5] = [
+/// Metrics that beats have without samples.
+pub(super) const FROM_BEATS: [&str; 5] = [
     "peak_tension",
     "time_to_peak_tension",
     "action_potential_duration_90",
