@@ -93,7 +93,7 @@ fn asked(args: &FitArgs) -> Result<FitCell, Failure> {
 fn spring(text: &str) -> Result<EndSprings, Failure> {
     let (stiffness, path) = text.split_once('=').ok_or_else(|| {
         Failure::new(format!("--loaded: `{text}` is not a stiffness and a table"))
-            .advise("write like --loaded \"100 nN/um=fibres.csv\"")
+            .advise("write it like --loaded \"100 nN/um=fibres.csv\"")
     })?;
     let stiffness = quantity("--loaded", stiffness.trim(), Dimension::Stiffness)?;
     Ok(EndSprings { stiffness, path: PathBuf::from(path.trim()) })
@@ -109,6 +109,6 @@ fn bounds(text: &str) -> Result<(String, [f64; 2]), Failure> {
     };
     read().ok_or_else(|| {
         Failure::new(format!("--bounds: `{text}` is not a parameter with its bounds"))
-            .advise("write like --bounds c_0=0.01:0.05, in the unit of the parameter")
+            .advise("write it like --bounds c_0=0.01:0.05, in the unit of the parameter")
     })
 }

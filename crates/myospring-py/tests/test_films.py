@@ -41,7 +41,7 @@ def found(film) -> myospring.Fit:
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         fit = myospring.fit(film=film, starts=1, **GIVEN)
-    assert any("in proportion to the stiffness" in str(one.message) for one in said)
+    assert any("proportional to the assumed stiffness" in str(one.message) for one in said)
     return fit
 
 

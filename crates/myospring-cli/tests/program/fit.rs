@@ -206,7 +206,7 @@ fn what_cannot_be_fitted_is_said_with_how_to_mend_it() {
         stderr(&output)
     };
     assert!(said(&["--free", "tau_zz"]).contains("coelho_2021 has no such parameter"));
-    assert!(said(&["--fix", "x_3"]).contains("sought are tension_over_stiffness, c_0"));
+    assert!(said(&["--fix", "x_3"]).contains("fitted are tension_over_stiffness, c_0"));
     assert!(said(&["--bounds", "c_0=3:1"]).contains("must be above 0, in ascending order"));
     assert!(said(&["--bounds", "c_0"]).contains("--bounds c_0=0.01:0.05"));
     assert!(said(&["--support", "clamped-ends"]).contains("its ends are held"));

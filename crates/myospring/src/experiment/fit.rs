@@ -160,11 +160,11 @@ impl FitCell {
                 if self.sought.fix.iter().any(|it| it.trim() == name) =>
             {
                 ExperimentError::new(format!("--fix: `{name}` is not fitted anyway"))
-                    .advise(format!("sought are {sought}"))
+                    .advise(format!("fitted are {sought}"))
             }
             FitError::NotFitted { name, sought } => {
                 ExperimentError::new(format!("--bounds: `{name}` is not fitted"))
-                    .advise(format!("sought are {sought}; --free adds others"))
+                    .advise(format!("fitted are {sought}; --free adds others"))
             }
             error => ExperimentError::new(error),
         })

@@ -82,7 +82,7 @@ pub enum Problem {
         example: &'static str,
     },
     /// Keys that exclude each other.
-    #[error("`{first}` and `{second}` exclude each other; {advice}")]
+    #[error("`{first}` and `{second}` exclude each other: {advice}")]
     Conflict {
         /// One key.
         first: &'static str,

@@ -237,7 +237,7 @@ fn a_description_that_cannot_be_says_where_and_why() {
             format!(
                 "kind = \"cell\"\n{one}thickness = {{ distribution = \"uniform\", low = 8, high = 9 }}\n{sampling}"
             ),
-            "`material.thickness` is of the mesh",
+            "`material.thickness` belongs to the mesh",
         ),
     ] {
         let study = study(&text);
