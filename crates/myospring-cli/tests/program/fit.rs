@@ -155,7 +155,11 @@ fn a_film_gives_a_map_of_where_its_cell_pulls() {
     assert!(stdout(&output).contains("tension at the peak ("), "{}", stdout(&output));
     // A stretch has small noise, which is not called none.
     assert!(!stdout(&output).contains("noise at rest 0.000\n"), "{}", stdout(&output));
-    assert!(stderr(&output).contains("in proportion to the stiffness"), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("proportional to the assumed stiffness"),
+        "{}",
+        stderr(&output)
+    );
     let results = folder.path().join("results/film_fit");
     let record: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(results.join("fit.json")).unwrap()).unwrap();
