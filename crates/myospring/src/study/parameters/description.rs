@@ -277,9 +277,7 @@ impl ParameterStudy {
         }
         let population = match design {
             Design::Table => true,
-            Design::Sampled { sampler, .. } => {
-                matches!(sampler, Sampler::LatinHypercube { .. } | Sampler::SobolSequence { .. })
-            }
+            Design::Sampled { sampler, .. } => sampler.is_population(),
         };
         let traces = written.traces.unwrap_or(population && values.members() <= TRACED);
         Ok(Self {

@@ -2,6 +2,7 @@
 
 use crate::analysis::beat::known;
 use crate::run_file;
+use crate::study::sampling::Sampler;
 use serde_json::{Map, Value, json};
 
 /// JSON Schema of descriptions of studies, Draft 2020-12; `[run]` has that of run files.
@@ -120,15 +121,11 @@ fn sampling() -> Value {
         "pairs": {"type": "boolean", "description": "Whether interactions of pairs are wanted, too."},
         "file": {"type": "string", "description": "A CSV with a column for each parameter."},
     });
-    let rows: [(&str, &[&str], &[&str]); 7] = [
-        ("grid", &["levels"], &["seed"]),
-        ("one-at-a-time", &["levels"], &["seed"]),
-        ("latin-hypercube", &["size"], &["seed"]),
-        ("sobol-sequence", &["size"], &["seed"]),
-        ("saltelli", &["size"], &["pairs", "seed"]),
-        ("morris", &["trajectories"], &["levels", "seed"]),
-        ("table", &["file"], &[]),
-    ];
+    let more = Sampler::KEYS.map(|(_, _, more)| [more, &["seed"][..]].concat());
+    let samplers =
+        Sampler::KEYS.iter().zip(&more).map(|((word, keys, _), more)| (*word, *keys, &**more));
+    let rows: Vec<(&str, &[&str], &[&str])> =
+        samplers.chain([("table", &["file"] as &[&str], &[] as &[&str])]).collect();
     let mut tables = one_of("sampler", &rows, &whole, &json!({}));
     for (row, table) in rows.iter().zip(tables["oneOf"].as_array_mut().into_iter().flatten()) {
         for name in row.1.iter().chain(row.2).filter(|name| own[**name].is_object()) {

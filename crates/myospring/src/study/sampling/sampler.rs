@@ -54,6 +54,21 @@ fn usual_levels() -> usize {
 }
 
 impl Sampler {
+    /// Word of each, the keys that it needs, and those that it may have beside `seed`.
+    pub(in crate::study) const KEYS: [(&str, &[&str], &[&str]); 6] = [
+        ("grid", &["levels"], &[]),
+        ("one-at-a-time", &["levels"], &[]),
+        ("latin-hypercube", &["size"], &[]),
+        ("sobol-sequence", &["size"], &[]),
+        ("saltelli", &["size"], &["pairs"]),
+        ("morris", &["trajectories"], &["levels"]),
+    ];
+
+    /// Whether its rows are a population, drawn from the distributions.
+    pub(in crate::study) fn is_population(&self) -> bool {
+        matches!(self, Self::LatinHypercube { .. } | Self::SobolSequence { .. })
+    }
+
     /// The number of rows for this number of varied parameters.
     ///
     /// # Errors
