@@ -12,6 +12,7 @@ mod loss;
 mod outputs;
 mod paper;
 mod track;
+mod tutorials;
 
 use std::fs;
 use std::path::Path;
