@@ -21,6 +21,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<ExitCode, Failure> {
     let doses = args.doses.iter().map(|path| Compare::read_doses(path, &FILES));
     let experiment = Compare {
         inputs: args.inputs.iter().cloned().map(Source::Path).collect(),
+        labels: Vec::new(),
         settings: args.settings.overrides(),
         scale: scale.collect::<Result<_, _>>()?,
         doses: doses.collect::<Result<Vec<_>, _>>()?.concat(),

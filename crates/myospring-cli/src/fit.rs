@@ -14,7 +14,6 @@ use myospring::experiment::{Folder, Outcome as _};
 use myospring::fit::FitOptions;
 use myospring::output::json;
 use myospring::settings::Value;
-use myospring::study::Threads;
 use myospring::units::Dimension;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -33,9 +32,6 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     let target = target.unwrap_or_else(|| Path::new("results").join(ready.results()));
     let folder = Folder::claim(&target, args.output.force, &FILES)?;
     interrupt::heed(interrupt::WRITING);
-    if let ((curves, Some(one)), false) = (ready.forecast(), quiet) {
-        print::note(&words::will_take(one, curves, Threads::new(None)?.count()));
-    }
     let fits = ready.run(&terminal)?;
     terminal.clear();
     if fits.cells.is_empty() && fits.film.is_none() {

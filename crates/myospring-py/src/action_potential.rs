@@ -1,10 +1,11 @@
 //! A cell model alone: potential and tension without a mesh.
 
-use crate::waiting::interruptible;
+use crate::experiment::{Progress, watched};
 use crate::{errors, settings};
 use myospring::analysis::action_potential as analysis;
 use myospring::analysis::s2::S1S2;
-use myospring::cell::solve::solve_interruptible;
+use myospring::cell::solve::solve_while;
+use myospring::experiment::Observer as _;
 use myospring::output::files;
 use myospring::run_file::RunFile;
 use myospring::settings::{Run, find};
@@ -22,6 +23,7 @@ const SELDOM_MS: f64 = 5e4;
 pub(crate) fn action_potential<'py>(
     py: Python<'py>,
     given: &Bound<'py, PyDict>,
+    progress: Progress,
 ) -> PyResult<(
     Vec<(String, Bound<'py, PyArray1<f64>>)>,
     Vec<Vec<(&'static str, Option<f64>, &'static str)>>,
@@ -44,10 +46,15 @@ pub(crate) fn action_potential<'py>(
     }
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
     let (cell, _warning) = run.driven(|path| files::read(path.as_ref())).map_err(errors::value)?;
-    let solved = interruptible(py, |interruption| {
+    let solved = watched(py, progress, |watch| {
         let interval = run.numerics.output_interval;
         let (protocol, settings) = (run.protocol, run.numerics.cell);
-        solve_interruptible(&*cell, protocol, settings, run.duration, interval, interruption)
+        let interruption = watch.interruption();
+        watch.stage("ms", run.duration as u64);
+        solve_while(&*cell, protocol, settings, run.duration, interval, |time_ms| {
+            watch.reached(time_ms as u64);
+            !interruption.is_requested()
+        })
     })?;
     let trace = solved.map_err(errors::value)?;
     let times = &trace.time_ms;

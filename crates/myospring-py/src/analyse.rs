@@ -78,14 +78,9 @@ impl Analysis {
         experiment::warnings(&self.outcome)
     }
 
-    /// Writes what `myospring analyse` writes; the folder, and what was odd.
+    /// Writes what `myospring analyse` writes; the folder.
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
-    fn save(
-        &self,
-        py: Python<'_>,
-        folder: PathBuf,
-        force: bool,
-    ) -> PyResult<(PathBuf, Vec<String>)> {
+    fn save(&self, py: Python<'_>, folder: PathBuf, force: bool) -> PyResult<PathBuf> {
         experiment::save(py, &self.outcome, &folder, force, &self.files)
     }
 }

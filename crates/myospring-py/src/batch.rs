@@ -1,8 +1,9 @@
 //! Many beats: a matrix of parameters in, a matrix of metrics out.
 
 use crate::cell::Cell;
-use crate::waiting::interruptible;
+use crate::experiment::{Progress, Watch, watched};
 use crate::{errors, settings, words};
+use myospring::experiment::Observer;
 use myospring::interruption::Interruption;
 use myospring::settings::{NumericSetting, Run, ValueKind};
 use myospring::study::parameters::{
@@ -12,6 +13,7 @@ use myospring::study::{Journal, StudyError, StudyObserver, Threads};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// So many members are worked on before their rows are handed on: what they take beside these is bounded.
 const AT_ONCE: usize = 8192;
@@ -76,6 +78,7 @@ impl Matrix {
 /// share. The metrics (N, M), and why a row has none.
 #[pyfunction]
 #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+#[allow(clippy::too_many_arguments, reason = "they are those of Python")]
 pub(crate) fn simulate_batch<'py>(
     py: Python<'py>,
     cell: &Cell,
@@ -84,6 +87,7 @@ pub(crate) fn simulate_batch<'py>(
     params: PyReadonlyArray2<'py, f64>,
     wanted: Vec<String>,
     threads: Option<usize>,
+    progress: Progress,
 ) -> PyResult<Answered<'py>> {
     let mut file = cell.0.file.clone();
     settings::put(&mut file, given)?;
@@ -95,14 +99,16 @@ pub(crate) fn simulate_batch<'py>(
     let width = wanted.len();
     let study = ParameterStudy::of_rows(file, numbers, wanted, rows)
         .map_err(|error| errors::of_study(py, &error))?;
-    let matrix = interruptible(py, |interruption| {
+    let matrix = watched(py, progress, |watch| {
         let inner = &cell.0;
-        let study = ParameterStudy { interruption: interruption.clone(), ..study };
+        let study = ParameterStudy { interruption: watch.interruption(), ..study };
         let common = Common::still(&study, |path| inner.read(path), Some(&inner.shaped))?;
         let threads = Threads::new(threads)?;
         let mut matrix = Matrix::new(width, study.values.members());
+        watch.stage("members", study.values.members() as u64);
+        let watched = Watched { watch, done: AtomicU64::new(0) };
         for members in study.in_turn(Shard::WHOLE, AT_ONCE) {
-            matrix.add(rows_of(&common, &members, &threads, interruption)?, words::in_python);
+            matrix.add(rows_of(&common, &members, &threads, &watched)?, words::in_python);
         }
         Ok::<_, ParameterStudyError>(matrix)
     })?;
@@ -114,9 +120,9 @@ pub(crate) fn rows_of(
     common: &Common,
     members: &[Variation],
     threads: &Threads,
-    interruption: &Interruption,
+    observer: &impl StudyObserver<Variation>,
 ) -> Result<Vec<VariationRow>, StudyError> {
-    Ok(run_members(common, members, &Journal::in_memory(), threads, &Stopped(interruption))?.rows)
+    Ok(run_members(common, members, &Journal::in_memory(), threads, observer)?.rows)
 }
 
 /// Numbers of members.
@@ -125,8 +131,25 @@ pub(crate) fn numbers_of(numbers: &PyReadonlyArray1<'_, u64>) -> PyResult<Vec<us
     numbers.as_array().iter().map(number).collect()
 }
 
+/// Passes on how many members are done.
+struct Watched<'a> {
+    watch: &'a Watch,
+    done: AtomicU64,
+}
+
+impl StudyObserver<Variation> for Watched<'_> {
+    fn finished(&self, _member: &Variation, _rows: &[VariationRow]) -> bool {
+        self.watch.reached(self.done.fetch_add(1, Ordering::Relaxed) + 1);
+        !self.interruption().is_requested()
+    }
+
+    fn interruption(&self) -> Interruption {
+        self.watch.interruption()
+    }
+}
+
 /// Ends a study early.
-struct Stopped<'a>(&'a Interruption);
+pub(crate) struct Stopped<'a>(pub(crate) &'a Interruption);
 
 impl StudyObserver<Variation> for Stopped<'_> {
     fn finished(&self, _member: &Variation, _rows: &[VariationRow]) -> bool {

@@ -1,8 +1,9 @@
 //! A run and what came of it.
 
 use crate::cell::{Cell, Inner, pairs, triangles};
+use crate::experiment::{self, Progress};
 use crate::waiting::interruptible;
-use crate::{errors, experiment, settings, words};
+use crate::{errors, settings, words};
 use ciborium::{from_reader, into_writer};
 use myospring::analysis::Metric;
 use myospring::analysis::beat::Beats;
@@ -61,10 +62,11 @@ pub(crate) fn simulate(
     cell: &Cell,
     given: &Bound<'_, PyDict>,
     threads: Option<usize>,
+    progress: Progress,
 ) -> PyResult<Beat> {
     let mut file = cell.0.file.clone();
     settings::put(&mut file, given)?;
-    beat(py, cell, file, threads)
+    beat(py, cell, file, threads, progress)
 }
 
 /// As [`simulate`], with the settings of a run file.
@@ -74,9 +76,10 @@ pub(crate) fn repeat(
     cell: &Cell,
     run_file: &str,
     threads: Option<usize>,
+    progress: Progress,
 ) -> PyResult<Beat> {
     let file = RunFile::from_text(run_file).map_err(|error| errors::of_settings(py, &error))?;
-    beat(py, cell, file, threads)
+    beat(py, cell, file, threads, progress)
 }
 
 /// Beats a cell by a run file.
@@ -85,13 +88,16 @@ pub(crate) fn beat(
     cell: &Cell,
     file: RunFile,
     threads: Option<usize>,
+    progress: Progress,
 ) -> PyResult<Beat> {
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
     let cell = &cell.0;
-    let beaten = interruptible(py, |interruption| {
-        let named = (cell.name.clone(), Run { interruption: interruption.clone(), ..run });
+    let beaten = experiment::watched(py, progress, |watch| {
+        let named = (cell.name.clone(), Run { interruption: watch.interruption(), ..run });
         let shape = (cell.shaped.clone(), sha256(&cell.bytes.shape));
-        Ok::<_, ExperimentError>(PreparedRun::new(named, shape, threads, &cell.files())?.beat(&()))
+        Ok::<_, ExperimentError>(
+            PreparedRun::new(named, shape, threads, &cell.files())?.beat(watch),
+        )
     })?;
     let mut beaten = beaten.map_err(|error| errors::of_experiment(&error))?;
     // That of the work that follows is another.
@@ -266,7 +272,7 @@ impl Beat {
         py.detach(draw).map_err(errors::value)
     }
 
-    /// Writes what `myospring run` writes into a folder; the folder, and what was odd.
+    /// Writes what `myospring run` writes into a folder; the folder.
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
     fn save(
         &self,
@@ -274,7 +280,7 @@ impl Beat {
         folder: PathBuf,
         force: bool,
         outputs: Option<Vec<String>>,
-    ) -> PyResult<(PathBuf, Vec<String>)> {
+    ) -> PyResult<PathBuf> {
         let known: Vec<&str> =
             OUTPUTS.iter().map(|output| output.word).chain([ALL, NONE]).collect();
         if let Some(word) = outputs.iter().flatten().find(|word| !known.contains(&word.as_str())) {

@@ -12,10 +12,10 @@ use pyo3::types::PyDict;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// What is compared: a beat with its name, or a file.
+/// What is compared.
 #[derive(FromPyObject)]
 pub(crate) enum Input {
-    Beat(String, Py<Beat>),
+    Beat(Py<Beat>),
     Path(PathBuf),
 }
 
@@ -26,13 +26,15 @@ pub(crate) struct Comparison {
     outcome: Compared,
 }
 
-/// Compares runs; `given` are settings by key, `scale` factors by name, each set with its label, `doses` the text of
+/// Compares runs, called `labels` or else by their own names; `given` are settings by key, `scale` factors by name, each set with its label, `doses` the text of
 /// a file of doses.
 #[pyfunction]
 #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+#[allow(clippy::too_many_arguments, reason = "they are those of Python")]
 pub(crate) fn compare(
     py: Python<'_>,
     inputs: Vec<Input>,
+    labels: Vec<String>,
     given: &Bound<'_, PyDict>,
     scale: Vec<(String, Vec<(String, f64)>)>,
     doses: Option<String>,
@@ -48,6 +50,7 @@ pub(crate) fn compare(
     let sources = inputs.into_iter().map(|input| source(input, &mut held));
     let description = Compare {
         inputs: sources.collect::<PyResult<_>>()?,
+        labels,
         settings: settings::list(given)?,
         scale: scale.collect(),
         doses: doses.unwrap_or_default(),
@@ -61,14 +64,15 @@ pub(crate) fn compare(
 
 /// An input as the library takes it; files of beats go to `held`, by names that no other content has.
 fn source(input: Input, held: &mut BTreeMap<String, Vec<u8>>) -> PyResult<Source> {
-    let (label, beat) = match input {
+    let beat = match input {
         Input::Path(path) => return Ok(Source::Path(path)),
-        Input::Beat(label, beat) => (label, beat),
+        Input::Beat(beat) => beat,
     };
     let beaten = &beat.get().beaten;
     let (made, outcome) = (&beaten.made, &beaten.outcome);
+    let title = &beaten.run.title;
     let side = Side::of(
-        label,
+        if title.is_empty() { beaten.name.clone() } else { title.clone() },
         beaten.name.clone(),
         &beaten.run,
         made,
@@ -111,14 +115,9 @@ impl Comparison {
         rows.map(|row| (row.name.clone(), row.values.clone())).collect()
     }
 
-    /// Writes what `myospring compare` writes; the folder, and what was odd.
+    /// Writes what `myospring compare` writes; the folder.
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
-    fn save(
-        &self,
-        py: Python<'_>,
-        folder: PathBuf,
-        force: bool,
-    ) -> PyResult<(PathBuf, Vec<String>)> {
+    fn save(&self, py: Python<'_>, folder: PathBuf, force: bool) -> PyResult<PathBuf> {
         experiment::save(py, &self.outcome, &folder, force, &self.files)
     }
 }

@@ -110,6 +110,9 @@ pub(crate) fn of_measured(error: &ReadError) -> PyErr {
 /// An experiment that cannot be done.
 pub(crate) fn of_experiment(error: &ExperimentError) -> PyErr {
     let message = words::in_python(&error.in_words());
+    if error.is_unknown_name() {
+        return Python::attach(|py| unknown(py, message));
+    }
     match error.kind() {
         Some(io::ErrorKind::NotFound) => PyFileNotFoundError::new_err(message),
         Some(_) => PyOSError::new_err(message),

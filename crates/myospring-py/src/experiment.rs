@@ -14,30 +14,55 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// A function that hears of each step: stage, steps that are done, all of them.
 pub(crate) type Progress = Option<Py<PyAny>>;
 
-/// Passes on what an experiment says.
-struct Watch {
+/// Passes on what an experiment says: steps to a function, notes to the logger `myospring`, warnings to those of Python.
+pub(crate) struct Watch {
     progress: Progress,
     interruption: Interruption,
-    stage: Mutex<(String, u64)>,
+    stage: Mutex<Stage>,
     /// What the function raised, which ends the experiment.
     raised: Mutex<Option<PyErr>>,
     has_raised: Arc<AtomicBool>,
-    said: Mutex<Vec<String>>,
+    warnings: Mutex<Vec<String>>,
+}
+
+/// What is done, how many steps it has, and the last one that the function heard of.
+#[derive(Default, Clone)]
+struct Stage {
+    what: String,
+    of: u64,
+    told: Option<u64>,
 }
 
 impl Watch {
-    fn new(progress: Progress, interruption: &Interruption) -> Self {
+    fn new(progress: Progress, stop: Arc<AtomicBool>, interruption: &Interruption) -> Self {
         let has_raised = Arc::new(AtomicBool::new(false));
         let (asked, raised) = (interruption.clone(), Arc::clone(&has_raised));
-        let ends = move || raised.load(Ordering::Relaxed) || asked.is_requested();
+        let is_set = |flag: &AtomicBool| flag.load(Ordering::Relaxed);
+        let ends = move || is_set(&raised) || is_set(&stop) || asked.is_requested();
         Self {
             progress,
             interruption: Interruption::when(ends),
             stage: Mutex::default(),
             raised: Mutex::default(),
             has_raised,
-            said: Mutex::default(),
+            warnings: Mutex::default(),
         }
+    }
+
+    /// Ends the experiment if a function of Python has raised something.
+    fn heard(&self, answer: PyResult<()>) {
+        if let Err(error) = answer {
+            held(&self.raised).get_or_insert(error);
+            self.has_raised.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn log(&self, level: &str, text: &str) {
+        let text = words::in_python(text);
+        self.heard(Python::attach(|py| {
+            let logger = py.import("logging")?.call_method1("getLogger", ("myospring",))?;
+            logger.call_method1(level, ("%s", text)).map(drop)
+        }));
     }
 }
 
@@ -47,20 +72,29 @@ fn held<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Observer for Watch {
     fn stage(&self, what: &str, of: u64) {
-        *held(&self.stage) = (what.to_owned(), of);
+        *held(&self.stage) = Stage { what: what.to_owned(), of, told: None };
     }
 
     fn reached(&self, done: u64) {
         let Some(progress) = &self.progress else { return };
-        let (stage, all) = held(&self.stage).clone();
-        if let Err(error) = Python::attach(|py| progress.call1(py, (stage, done, all)).map(drop)) {
-            held(&self.raised).get_or_insert(error);
-            self.has_raised.store(true, Ordering::Relaxed);
+        let Stage { what, of, told } = held(&self.stage).clone();
+        if told == Some(done) {
+            return;
         }
+        held(&self.stage).told = Some(done);
+        self.heard(Python::attach(|py| progress.call1(py, (what, done, of)).map(drop)));
+    }
+
+    fn note(&self, text: &str) {
+        self.log("info", text);
+    }
+
+    fn failed(&self, name: &str, reason: &str) {
+        self.log("info", &format!("{name}: {reason}"));
     }
 
     fn warn(&self, text: &str) {
-        held(&self.said).push(words::in_python(text));
+        held(&self.warnings).push(words::in_python(text));
     }
 
     fn interruption(&self) -> Interruption {
@@ -68,7 +102,37 @@ impl Observer for Watch {
     }
 }
 
-/// Does an experiment; Ctrl-C, or what `progress` raises, ends it.
+/// Does work that is watched; Ctrl-C, or what a function of Python raises, ends it. Then warns.
+pub(crate) fn watched<T: Send>(
+    py: Python<'_>,
+    progress: Progress,
+    work: impl FnOnce(&Watch) -> T + Send,
+) -> PyResult<T> {
+    watched_until(py, progress, Arc::default(), work)
+}
+
+/// As [`watched`]; `stop` ends it, too, since Ctrl-C is heard on one thread alone.
+pub(crate) fn watched_until<T: Send>(
+    py: Python<'_>,
+    progress: Progress,
+    stop: Arc<AtomicBool>,
+    work: impl FnOnce(&Watch) -> T + Send,
+) -> PyResult<T> {
+    let (done, raised, warnings) = interruptible(py, |interruption| {
+        let watch = Watch::new(progress, stop, interruption);
+        let done = work(&watch);
+        let Watch { raised, warnings, .. } = watch;
+        let raised = raised.into_inner().unwrap_or_else(PoisonError::into_inner);
+        (done, raised, warnings.into_inner().unwrap_or_else(PoisonError::into_inner))
+    })?;
+    raised.map_or(Ok(()), Err)?;
+    if !warnings.is_empty() {
+        py.import("myospring._errors")?.call_method1("warn", (warnings,))?;
+    }
+    Ok(done)
+}
+
+/// Does an experiment.
 pub(crate) fn run<E>(
     py: Python<'_>,
     description: &E,
@@ -79,33 +143,25 @@ where
     E: Experiment + Sync,
     E::Outcome: Send,
 {
-    let (done, raised) = interruptible(py, |interruption| {
-        let watch = Watch::new(progress, interruption);
-        let threads = Threads::new(None).map_err(ExperimentError::from);
-        let done = threads.and_then(|threads| threads.install(|| description.run(files, &watch)));
-        (done, held(&watch.raised).take())
+    let done = watched(py, progress, |watch| {
+        // Threads of its own: those of the process do not survive a fork.
+        Threads::new(None)?.install(|| description.run(files, watch))
     })?;
-    raised.map_or(Ok(()), Err)?;
-    done.map_err(|error| errors::of_experiment(&error))
+    done.map_err(|error: ExperimentError| errors::of_experiment(&error))
 }
 
-/// Saves an outcome: the folder, and what was odd.
+/// Saves an outcome into a folder; where it is.
 pub(crate) fn save(
     py: Python<'_>,
     outcome: &(impl Outcome + Sync),
     folder: &Path,
     force: bool,
     files: &Files,
-) -> PyResult<(PathBuf, Vec<String>)> {
-    let (saved, said) = interruptible(py, |interruption| {
-        let watch = Watch::new(None, interruption);
-        // Threads of its own: those of the process do not survive a fork.
-        let threads = Threads::new(None).map_err(ExperimentError::from);
-        let save = || experiment::save(outcome, folder, force, files, &watch);
-        let saved = threads.and_then(|threads| threads.install(save));
-        (saved, std::mem::take(&mut *held(&watch.said)))
+) -> PyResult<PathBuf> {
+    let saved = watched(py, None, |watch| {
+        Threads::new(None)?.install(|| experiment::save(outcome, folder, force, files, watch))
     })?;
-    Ok((saved.map_err(|error| errors::of_saving(&error))?, said))
+    saved.map_err(|error: ExperimentError| errors::of_saving(&error))
 }
 
 /// All numbers of an outcome, JSON.

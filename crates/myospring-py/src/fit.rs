@@ -5,9 +5,9 @@ use crate::experiment::{self, Progress};
 use crate::tension_map::TensionMap;
 use crate::waiting::interruptible;
 use crate::{beat, errors, settings, words};
-use myospring::experiment::fit::{FitCell, Fits, Shapes, between_springs, observed, of_table};
-use myospring::experiment::{BeatOptions, Files};
-use myospring::fit::{self, FitError, FitOptions, Loaded};
+use myospring::experiment::fit::{FitCell, Fits, FittableCell, Shapes, between_springs, of_table};
+use myospring::experiment::{BeatOptions, ExperimentError, Files};
+use myospring::fit::{Fit, FitOptions};
 use myospring::measured::{self, Column, Curve, Kind, ReadError, TableOptions};
 use myospring::output::files;
 use myospring::output::json;
@@ -17,6 +17,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A curve: name, kind, unit, times (ms), values, stimuli that its file has marks of (ms).
 pub(crate) type Measured = (String, String, String, Vec<f64>, Vec<f64>, Vec<f64>);
@@ -101,9 +103,8 @@ impl Asked {
 /// One cell, ready to be fitted.
 #[pyclass(frozen, module = "myospring._native")]
 pub(crate) struct Fitter {
-    run: Run,
-    spacing: f64,
-    fits: fit::Fitter,
+    cell: FittableCell,
+    stop: Arc<AtomicBool>,
 }
 
 /// The curves of a table that are fitted, and what was taken for granted of them.
@@ -132,52 +133,63 @@ pub(crate) fn read_curves(
 
 #[pymethods]
 impl Fitter {
-    /// Of a cell; `given` are settings by key.
+    /// Of a cell; `given` are settings by key, `loaded` curves of it between springs of known stiffness (nN/um).
     #[new]
-    fn new(py: Python<'_>, cell: &Cell, given: &Bound<'_, PyDict>) -> PyResult<Self> {
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn new(
+        py: Python<'_>,
+        cell: &Cell,
+        given: &Bound<'_, PyDict>,
+        asked: Asked,
+        loaded: Vec<(f64, Measured)>,
+    ) -> PyResult<Self> {
         let mut file = cell.0.file.clone();
         settings::put(&mut file, given)?;
         let (run, made) = beat::make(py, &cell.0, &file)?;
-        let spacing = made.report.spacing_um;
-        let fits = fit::Fitter::new(made.simulation).map_err(errors::value)?;
-        Ok(Self { run, spacing, fits })
+        let failed = |error: ExperimentError| errors::of_experiment(&error);
+        let beats = asked.beats();
+        let between = |(stiffness, curve): (f64, Measured)| {
+            between_springs(stiffness, &self::curve(curve)?, &beats).map_err(failed)
+        };
+        let loaded = loaded.into_iter().map(between).collect::<PyResult<_>>()?;
+        let cell = FittableCell::new(run, made, &asked.sought(), beats.clone(), loaded);
+        Ok(Self { cell: cell.map_err(failed)?, stop: Arc::default() })
     }
 
-    /// Fits the cell to a curve, and to curves between springs of known stiffness (nN/um) at once: the fit (JSON), and
-    /// the run file that repeats it.
-    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    /// Fits the cell to a curve: the fit (JSON), and the run file that repeats it.
     fn fit(
         &self,
         py: Python<'_>,
         curve: Measured,
-        loaded: Vec<(f64, Measured)>,
-        asked: Asked,
         threads: Option<usize>,
+        progress: Progress,
     ) -> PyResult<(String, String)> {
-        let beats = asked.beats();
-        let own = self.fits.simulation().support;
-        let mut curves = vec![Loaded {
-            support: own,
-            observed: observed(&self::curve(curve)?, &beats).map_err(errors::value)?,
-        }];
-        for (stiffness, curve) in loaded {
-            let curve = between_springs(stiffness, &self::curve(curve)?, &beats);
-            curves.push(curve.map_err(|error| errors::of_experiment(&error))?);
-        }
-        let settings = asked.sought().settings(&*self.run.cell, curves.len() > 1);
-        let settings = settings.map_err(|error| of_fit(py, &error))?;
-        let threads = Threads::new(threads).map_err(errors::value)?;
-        let found = interruptible(py, |interruption| {
-            let fits = self.fits.interrupted_by(interruption.clone());
-            threads.install(|| fits.fit_loaded(&curves, &settings, &|_done| true))
+        let curve = self::curve(curve)?;
+        let curves = [(curve.name.clone(), Ok(curve))];
+        let found = experiment::watched_until(py, progress, Arc::clone(&self.stop), |watch| {
+            self.cell.fit(&curves, &[], &Threads::new(threads)?, watch)
         })?;
-        let found = found.map_err(|error| of_fit(py, &error))?;
-        let found = found.ok_or_else(|| errors::value("the fit came to no end"))?;
-        let run = self.fits.fitted(self.run.clone(), &found);
-        let run = run.map_err(|error| of_fit(py, &error))?;
-        let text = json::pretty(&found).map_err(errors::value)?;
-        Ok((text, run.settled(self.spacing, None).to_toml()))
+        let found = found.map_err(|error| errors::of_experiment(&error))?;
+        let found = found.into_iter().next().and_then(|cell| cell.found.ok());
+        answer(&found.ok_or_else(|| errors::value("the fit came to no end"))?, |fit| {
+            self.cell.fitted_run(fit)
+        })
     }
+
+    /// Ends the fits that are under way, and all later ones.
+    fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A fit (JSON), and the run file that repeats it.
+fn answer(
+    found: &Fit,
+    fitted: impl FnOnce(&Fit) -> Result<(Run, f64), ExperimentError>,
+) -> PyResult<(String, String)> {
+    let text = json::pretty(found).map_err(errors::value)?;
+    let (run, spacing) = fitted(found).map_err(|error| errors::of_experiment(&error))?;
+    Ok((text, run.settled(spacing, None).to_toml()))
 }
 
 /// The cell of a film, fitted.
@@ -229,13 +241,14 @@ impl FilmFit {
     fn found(&self) -> PyResult<(String, String, String)> {
         let (cell, found) =
             self.fits.fitted().next().ok_or_else(|| errors::value("nothing was fitted"))?;
-        let text = json::pretty(found).map_err(errors::value)?;
-        let fitted = self.fits.fitted_run(found).map_err(|error| errors::of_experiment(&error))?;
-        let (mut run, spacing) = fitted;
-        if let Source::Picture(source) = &mut run.shape.source {
-            REST.clone_into(&mut source.path);
-        }
-        Ok((cell.name.clone(), text, run.settled(spacing, None).to_toml()))
+        let (text, run_file) = answer(found, |fit| {
+            let (mut run, spacing) = self.fits.fitted_run(fit)?;
+            if let Source::Picture(source) = &mut run.shape.source {
+                REST.clone_into(&mut source.path);
+            }
+            Ok((run, spacing))
+        })?;
+        Ok((cell.name.clone(), text, run_file))
     }
 
     /// What was assumed, and what was odd.
@@ -257,14 +270,9 @@ impl FilmFit {
         self.fits.shapes.as_ref().map(Shapes::words)
     }
 
-    /// Writes what `myospring fit` writes; the folder, and what was odd.
+    /// Writes what `myospring fit` writes; the folder.
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
-    fn save(
-        &self,
-        py: Python<'_>,
-        folder: PathBuf,
-        force: bool,
-    ) -> PyResult<(PathBuf, Vec<String>)> {
+    fn save(&self, py: Python<'_>, folder: PathBuf, force: bool) -> PyResult<PathBuf> {
         experiment::save(py, &self.fits, &folder, force, &self.files)
     }
 }
@@ -299,12 +307,4 @@ pub(crate) fn curve(curve: Measured) -> PyResult<Curve> {
     }
     let lines = (1..=times_ms.len() as u64).collect();
     Ok(Curve { name, kind: kind(&word)?, unit, times_ms, values, lines, stimuli_ms })
-}
-
-/// What cannot be fitted: names that do not exist are a `KeyError`.
-fn of_fit(py: Python<'_>, error: &FitError) -> PyErr {
-    match error {
-        FitError::Unknown { .. } => errors::unknown(py, error.to_string()),
-        _ => errors::value(error),
-    }
 }

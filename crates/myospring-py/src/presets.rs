@@ -2,6 +2,7 @@
 
 use crate::beat::{self, Beat};
 use crate::cell::Cell;
+use crate::experiment::Progress;
 use crate::settings::{is_of_cell, put};
 use crate::{errors, words};
 use myospring::experiment::compare::check_results;
@@ -36,6 +37,7 @@ pub(crate) fn simulate_preset(
     cell: &Cell,
     given: &Bound<'_, PyDict>,
     threads: Option<usize>,
+    progress: Progress,
 ) -> PyResult<Beat> {
     let (mut file, preset) = (cell.0.file.clone(), preset(py, name)?);
     for setting in table().filter(|setting| !is_of_cell(setting)) {
@@ -45,7 +47,7 @@ pub(crate) fn simulate_preset(
         }
     }
     put(&mut file, given)?;
-    beat::beat(py, cell, file, threads)
+    beat::beat(py, cell, file, threads, progress)
 }
 
 fn preset(py: Python<'_>, name: &str) -> PyResult<RunFile> {

@@ -27,6 +27,7 @@ pub(crate) fn find(
     given: &Bound<'_, PyDict>,
     arrays: BTreeMap<String, Vec<u8>>,
     all: bool,
+    progress: Progress,
 ) -> PyResult<Segmentation> {
     let mut file = RunFile::default();
     settings::put(&mut file, given)?;
@@ -34,7 +35,7 @@ pub(crate) fn find(
     let picture = run.shape.file().unwrap_or_default().to_owned();
     let files = Files::holding(arrays);
     let asked = segment::Segment { picture, run, all, refused: None, of_cut: Vec::new() };
-    let found = experiment::run(py, &asked, &files, Progress::None)?;
+    let found = experiment::run(py, &asked, &files, progress)?;
     Ok(Segmentation { found, files })
 }
 
@@ -76,14 +77,9 @@ impl Segmentation {
         py.detach(|| self.found.overlay().map(|figure| figure.to_svg())).map_err(errors::value)
     }
 
-    /// Writes what `myospring segment` writes into a folder; the folder, and what was odd.
+    /// Writes what `myospring segment` writes into a folder; the folder.
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
-    fn save(
-        &self,
-        py: Python<'_>,
-        folder: PathBuf,
-        force: bool,
-    ) -> PyResult<(PathBuf, Vec<String>)> {
+    fn save(&self, py: Python<'_>, folder: PathBuf, force: bool) -> PyResult<PathBuf> {
         experiment::save(py, &self.found, &folder, force, &self.files)
     }
 

@@ -1,6 +1,6 @@
 //! A study whose members are worked on by anyone's engine: what it gives to workers, and what it makes of their rows.
 
-use crate::batch::{Matrix, numbers_of, rows_of};
+use crate::batch::{Matrix, Stopped, numbers_of, rows_of};
 use crate::waiting::interruptible;
 use crate::{errors, head, words};
 use myospring::experiment::{self, ExperimentError};
@@ -251,7 +251,7 @@ impl Study {
             let threads = Threads::new(Some(1))?;
             let stop = Arc::clone(&self.stop);
             let interruption = Interruption::when(move || stop.load(Ordering::Relaxed));
-            rows_of(&self.common, &members, &threads, &interruption)
+            rows_of(&self.common, &members, &threads, &Stopped(&interruption))
         });
         let rows = rows.map_err(errors::value)?;
         back(py, rows, self.parameters.metrics.len(), &self.common, begun)
@@ -440,7 +440,7 @@ impl Members {
         let begun = Instant::now();
         let rows = interruptible(py, |interruption| {
             let threads = Threads::new(Some(threads))?;
-            rows_of(&self.common, &members, &threads, interruption)
+            rows_of(&self.common, &members, &threads, &Stopped(interruption))
         })?;
         back(py, rows.map_err(errors::value)?, self.width, &self.common, begun)
     }

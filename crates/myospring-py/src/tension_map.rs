@@ -95,14 +95,9 @@ impl TensionMap {
         py.detach(|| self.map.figure()).map(|figure| figure.to_svg()).map_err(errors::value)
     }
 
-    /// Writes the map; the folder, and what was odd.
+    /// Writes the map; the folder.
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
-    fn save(
-        &self,
-        py: Python<'_>,
-        folder: PathBuf,
-        force: bool,
-    ) -> PyResult<(PathBuf, Vec<String>)> {
+    fn save(&self, py: Python<'_>, folder: PathBuf, force: bool) -> PyResult<PathBuf> {
         experiment::save(py, &self.map, &folder, force, &self.files)
     }
 }

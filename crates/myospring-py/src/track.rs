@@ -132,7 +132,7 @@ impl Motion {
         triangles(py, &self.outcome.followed.motion.mesh)
     }
 
-    /// Writes what `myospring track` writes; the folder, and what was odd.
+    /// Writes what `myospring track` writes; the folder.
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
     fn save(
         &mut self,
@@ -140,7 +140,7 @@ impl Motion {
         folder: PathBuf,
         force: bool,
         outputs: Option<Vec<String>>,
-    ) -> PyResult<(PathBuf, Vec<String>)> {
+    ) -> PyResult<PathBuf> {
         self.outcome.outputs = match &outputs {
             None => Output::DEFAULT.to_vec(),
             Some(words) => {

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import sys
+import threading
+import time
 import warnings
 
 import numpy as np
@@ -46,6 +51,33 @@ def motion(film) -> myospring.Motion:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", myospring.MyospringWarning)
         return myospring.track(film, pixel_size_um=0.5, frame_rate_per_s=20, spacing_um=3)
+
+
+@pytest.fixture
+def small_fit(cell):
+    """Fits that take many seconds: curves of a model of 49 equations."""
+    t_ms = np.arange(0, 1500, 10.0)
+    curves = {name: (t_ms, lengths(t_ms)) for name in ("one", "other", "third")}
+    return lambda: myospring.fit_many(curves, cell, model="tor_ord_land", starts=32, progress=False)
+
+
+def test_results_over_time_and_space_are_datasets_with_units(cell, beat, motion, monkeypatch):
+    xarray = pytest.importorskip("xarray")
+    shapes = beat.to_xarray()
+    assert shapes["positions_um"].dims == ("frame_t_ms", "node", "axis") and list(shapes["axis"].values) == ["x", "y"]
+    assert shapes["length_um"].attrs["units"] == "um" and shapes["t_ms"].attrs["units"] == "ms"
+    at_peak = shapes["shortening_pct"].idxmax()
+    assert float(shapes["shortening_pct"].sel(t_ms=at_peak)) == beat.shortening_pct.max()
+    assert motion.to_xarray()["positions_um"].shape == motion.positions.shape
+    course = myospring.action_potential()
+    assert course.to_xarray()["tension"].sizes == {"t_ms": len(course.t_ms)}
+    t_ms = np.arange(0, 3000, 10.0)
+    (curve,) = myospring.analyse((t_ms, lengths(t_ms))).curves
+    assert curve.to_xarray()["values"].attrs == {"units": "um"}
+    assert isinstance(curve.to_xarray(), xarray.Dataset)
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(ImportError, match="pip install xarray"):
+        beat.to_xarray()
 
 
 def test_python_and_the_program_read_the_same_beats(table, run, tmp_path):
@@ -127,6 +159,22 @@ def test_beats_are_compared_with_factors_and_doses(cell, beat, tmp_path):
     assert (kept / "report.html").exists() and (kept / "runs" / "run_2.toml").exists()
     with pytest.raises(ValueError, match="two or more runs"):
         myospring.compare(beat)
+    with pytest.raises(ValueError, match="3 labels and 1 runs"):
+        myospring.compare(beat, labels=["a", "b", "c"])
+    with pytest.raises(ValueError, match="settings do not change"):
+        myospring.compare(beat, beat, beats=2)
+
+
+def test_settings_override_those_of_run_files_and_runs_are_labelled_in_order(cell, beat, tmp_path):
+    weak = myospring.simulate(cell, integrator="quasi-static", peak_tension_kpa=20, title="weak")
+    (tmp_path / "two.toml").write_text(beat.run_file.replace("beats = 1", "beats = 2"))
+    # A setting that is the default overrides a run file, too.
+    found = myospring.compare(tmp_path / "two.toml", scale={"weaker": {"peak_tension": 0.5}}, beats=1, peak_tension_kpa=40)
+    assert found.settings["cell.peak_tension"] == ["40 kPa", "20 kPa"]
+    with pytest.raises(TypeError, match="did you mean 'peak_tension_kpa'"):
+        myospring.compare(tmp_path / "two.toml", peak_tension=40)
+    assert myospring.compare(weak, beat).labels == ["weak", beat.cell.name]
+    assert myospring.compare(weak, tmp_path / "two.toml", labels=["a", "b"]).labels == ["a", "b"]
 
 
 def test_beats_of_arrays_are_run_anew_with_factors():
@@ -151,6 +199,40 @@ def test_a_saved_beat_is_read_back(cell, tmp_path):
     assert not found.settings and not found.differences["peak_shortening"].any()
     with pytest.raises(ValueError, match="holds no results"):
         myospring.Beat.load(tmp_path)
+
+
+def test_whatever_takes_long_is_heard_of_and_ended_by_what_the_function_raises(cell):
+    def ends(stage, done, of):
+        heard.append((stage, done, of))
+        if 2 * done > of:
+            raise ZeroDivisionError
+
+    t_ms = np.arange(0, 3000, 10.0)
+    long = [
+        lambda **more: myospring.simulate(cell, integrator="quasi-static", **more),
+        lambda **more: myospring.simulate(cell, **more),
+        lambda **more: myospring.simulate_preset("guinea-pig-unloaded", cell, **more),
+        lambda **more: myospring.simulate_batch(np.full((20, 1), 20.0), ["peak_tension_kpa"], cell, **more),
+        lambda **more: myospring.action_potential(beats=3, **more),
+        lambda **more: myospring.fit((t_ms, lengths(t_ms)), cell, starts=2, **more),
+        lambda **more: myospring.fit_many({"one": (t_ms, lengths(t_ms))}, cell, starts=1, **more),
+    ]
+    for number, work in enumerate(long):
+        heard = []
+        with warnings.catch_warnings(), pytest.raises(ZeroDivisionError):
+            warnings.simplefilter("ignore", myospring.MyospringWarning)
+            work(progress=ends)
+        assert len({(stage, of) for stage, _, of in heard}) == 1, (number, heard)
+        assert [done for _, done, _ in heard] == sorted(done for _, done, _ in heard), (number, heard)
+
+
+def test_ctrl_c_ends_a_fit_in_threads_within_a_second(small_fit):
+    begun = time.monotonic()
+    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        small_fit()
+    # Half a second before Ctrl-C, and another second for a busy machine.
+    assert time.monotonic() - begun < 2.5
 
 
 def test_a_preset_beats_as_its_run_file_says(cell):

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import myospring
 from myospring import _native
+
+try:
+    import xarray
+except ImportError:
+    xarray = None
 
 # One beat of 5 %, before and after it rest.
 BEAT = [0.01, 0.03, 0.045, 0.05, 0.05, 0.048, 0.04, 0.03, 0.02, 0.012, 0.006, 0.003]
@@ -59,6 +66,17 @@ def test_a_fit_of_a_film_has_numbers_its_cell_and_a_map_and_saves_itself(found, 
         found.save(saved)
 
 
+def test_a_film_of_an_array_is_fitted_as_its_files_are(found, film):
+    frames = np.array([np.asarray(Image.open(path)) for path in sorted(Path(film).iterdir())])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        fit = myospring.fit(film=frames, starts=1, **GIVEN)
+    assert fit.parameters["tension_over_stiffness"] == found.parameters["tension_over_stiffness"]
+    np.testing.assert_array_equal(fit.tension_map.tension_kpa, found.tension_map.tension_kpa)
+    with pytest.raises(ValueError, match=r"give \(frames, rows, columns\)"):
+        myospring.fit(film=frames[0], **GIVEN)
+
+
 def test_a_map_has_an_entry_for_each_triangle_and_is_that_of_the_fit(found, film):
     steps = []
     with warnings.catch_warnings():
@@ -72,6 +90,8 @@ def test_a_map_has_an_entry_for_each_triangle_and_is_that_of_the_fit(found, film
     # Tensions are in proportion to both moduli; the solver's tolerance is 1e-6.
     assert stiffer.mean_tension_kpa == pytest.approx(2 * alone.mean_tension_kpa, rel=1e-2)
     assert ("frames", 36, 36) in steps
+    if xarray is not None:
+        assert alone.to_xarray()["tension_kPa"].sizes == {"triangle": len(alone.tension_kpa)}
     assert "<svg" in alone._repr_html_() and "TensionMap of" in repr(alone)
 
 

@@ -187,7 +187,7 @@ def test_threads_and_processes_give_the_same_bits(serial, small, table):
         table, [small, other, small, other], processes, starts=2, progress=lambda *of: shown.append(of)
     )
     assert equal(serial, found)
-    assert shown[-1][:2] == (4, 4)
+    assert shown[-1] == ("cells", 4, 4)
 
 
 def test_dask_gives_the_same_bits(serial, small, table):

@@ -75,14 +75,15 @@ def test_outlines_are_saved_in_any_format_and_come_back_the_same(tmp_path):
     assert {"outline.geojson", "overlay.png", "report.json"} <= {path.name for path in results.iterdir()}
 
 
-def test_the_cells_of_a_folder_are_a_table_that_goes_on_where_it_was(folder, tmp_path):
+def test_the_cells_of_a_folder_are_a_table_that_goes_on_where_it_was(folder, tmp_path, caplog):
     told = []
     first = myospring.batch(folder, output=tmp_path / "beats", progress=lambda *step: told.append(step), **QUICK)
     assert told[-1] == ("pictures", 2, 2) and first.resumed == 0
     assert first.counts == {"ok": 4} and first["picture"] == ["a.tif", "a.tif", "b.tif", "b.tif"]
     assert (first["peak_shortening_pct"] > 5).all()
-    again = myospring.batch(folder, output=tmp_path / "beats", **QUICK)
-    assert again.resumed == 2
+    with caplog.at_level("INFO", logger="myospring"):
+        again = myospring.batch(folder, output=tmp_path / "beats", **QUICK)
+    assert again.resumed == 2 and "2 of 2 pictures are done" in caplog.text
     np.testing.assert_array_equal(again["peak_shortening_pct"], first["peak_shortening_pct"])
     assert len(again.to_dataframe()) == len(again) == 4 and "<table>" in again._repr_html_()
     assert (tmp_path / "beats" / "cells.csv").is_file() and (tmp_path / "beats" / "overlays" / "a_tif.png").is_file()

@@ -96,7 +96,7 @@ class KillsOne:
         self.processes = processes
         self.killed = None
 
-    def __call__(self, done: int, members: int, _seconds: float | None) -> None:
+    def __call__(self, _stage: str, done: int, members: int) -> None:
         if self.killed is None and done > members / 10:
             assert done < members
             self.killed = self.processes()[0]
@@ -114,7 +114,7 @@ def test_python_and_the_program_write_the_same_files(serial, name, tmp_path):
     study.has_the_files_of(tmp_path / "out")
     assert {path.name for path in (tmp_path / "out").iterdir()} >= {"members.parquet", "study.toml", "figures"}
     study.has_the_files_of(result.save(tmp_path / "elsewhere"))
-    assert shown[0][0] == 0 and shown[-1][:2] == (len(result.status), len(result.status))
+    assert shown[0][:2] == ("members", 0) and shown[-1][1:] == (len(result.status), len(result.status))
 
 
 def test_a_result_is_arrays_and_a_table_and_can_be_pickled(serial):
@@ -190,7 +190,7 @@ def test_a_killed_study_goes_on_in_python_and_in_the_program(serial, program, tm
     shutil.copytree(killed, other)
     shown = []
     study.equals(myospring.run_study(study.path, output=killed, progress=lambda *of: shown.append(of)))
-    assert shown[0][0] == known
+    assert shown[0][1] == known
     study.has_the_files_of(killed)
     done = subprocess.run([program, "study", "run", study.path, "--output", other], capture_output=True, text=True)
     assert f"{known} of 240 members are done" in done.stderr, done.stderr

@@ -6,7 +6,6 @@ use myospring::experiment::fit::{Fits, FittedCell, Shapes};
 use myospring::experiment::tension_map::FilmMap;
 use myospring::fit::Fit;
 use std::fmt::Write as _;
-use std::time::Duration;
 
 /// What is printed.
 pub(super) fn for_people(fits: &Fits) -> String {
@@ -59,18 +58,4 @@ fn several(fits: &Fits) -> String {
         rows.push(row);
     }
     aligned(&rows, &[])
-}
-
-/// How long a fit of a cell whose curves are slow takes.
-pub(super) fn will_take(one: Duration, curves: usize, threads: usize) -> String {
-    let seconds = one.as_secs_f64() * curves as f64 / threads as f64;
-    let time = match seconds {
-        ..=90.0 => format!("{seconds:.0} s"),
-        ..=5400.0 => format!("{:.0} minutes", seconds / 60.0),
-        _ => format!("{:.1} hours", seconds / 3600.0),
-    };
-    let fits = if curves == 1 { "the fit takes" } else { "the fits take" };
-    format!(
-        "this cell model computes a whole beat for each curve that is tried: {fits} about {time} on this machine"
-    )
 }

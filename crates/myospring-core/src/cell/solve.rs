@@ -17,7 +17,7 @@ use super::description::TensionKind;
 use super::integrator::Steps;
 use super::pacing::Protocol;
 use super::trace::{CellTrace, Instant};
-use crate::interruption::Interruption;
+use crate::interruption::Interrupted;
 
 /// Runs a cell of resting length from 0 ms to `duration_ms` and samples it every
 /// `sample_interval_ms`, first at 0 ms.
@@ -44,26 +44,27 @@ pub fn solve(
     duration_ms: f64,
     sample_interval_ms: f64,
 ) -> Result<CellTrace, SolveError> {
-    let never = Interruption::default();
-    solve_interruptible(model, protocol, settings, duration_ms, sample_interval_ms, &never)
+    solve_while(model, protocol, settings, duration_ms, sample_interval_ms, |_time_ms| true)
 }
 
-/// Like [`solve`], but can be interrupted.
+/// Like [`solve`], as long as `goes_on`, which is called with the time of each sample, ms, returns `true`.
 ///
 /// # Errors
 /// As [`solve`]; [`SolveError::Interrupted`].
-pub fn solve_interruptible(
+pub fn solve_while(
     model: &(dyn CellModel + 'static),
     protocol: Protocol,
     settings: SolverSettings,
     duration_ms: f64,
     sample_interval_ms: f64,
-    interruption: &Interruption,
+    mut goes_on: impl FnMut(f64) -> bool,
 ) -> Result<CellTrace, SolveError> {
     let mut steps = Steps::new(model, protocol, settings)?;
     steps.hold();
     CellTrace::sample(model, duration_ms, sample_interval_ms, |time_ms| {
-        interruption.check()?;
+        if !goes_on(time_ms) {
+            return Err(Interrupted.into());
+        }
         steps.advance_to(model, time_ms, 1.0, 0.0)?;
         Ok(Instant { state: steps.state().to_vec(), outputs: steps.outputs(model) })
     })

@@ -6,8 +6,11 @@
 True
 
 Every name ends in its unit: ``peak_tension_kpa`` is in kPa, ``t_ms`` in ms. Names, defaults and numbers are those of
-the program ``myospring``, which comes with this package.
+the program ``myospring``, which comes with this package. What it notes while it works goes to the logger
+``myospring``, what to look at before numbers are used is a warning, `MyospringWarning`.
 """
+
+import logging
 
 from myospring._action_potential import ActionPotential
 from myospring._analyse import AnalysedCurve, Analysis, MeasuredBeat, analyse
@@ -28,6 +31,9 @@ from myospring._study import Index, Morris, Sobol, StudyResult, run_study
 from myospring._tension_map import TensionMap, tension_map
 from myospring._track import Motion, track
 from myospring._whole_frame import WholeFrame, whole_frame
+
+# Without a handler of the user's, nothing is shown.
+logging.getLogger("myospring").addHandler(logging.NullHandler())
 
 __all__ = [
     "METRICS",

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from myospring import _native
+from myospring._progress import Progress, heard
+from myospring._xarray import dataset
 
 
 @dataclass(frozen=True)
@@ -59,10 +61,24 @@ class ActionPotential:
             columns["vm_mv"] = self.vm_mv
         return pandas.DataFrame({**columns, "tension": self.tension, **self.states})
 
+    def to_xarray(self) -> Any:
+        """Returns the time course as a dataset; needs xarray.
 
-def followed(given: dict[str, Any]) -> ActionPotential:
+        Returns
+        -------
+        xarray.Dataset
+            Every variable over ``t_ms``; units are attributes where the name states one.
+        """
+        columns = {"potential": self.potential, "tension": self.tension, **self.states}
+        if self.vm_mv is not None:
+            columns["vm_mv"] = self.vm_mv
+        over_time = {name: (("t_ms",), values) for name, values in columns.items()}
+        return dataset(over_time, {"t_ms": (("t_ms",), self.t_ms)}, {})
+
+
+def followed(given: dict[str, Any], progress: Progress) -> ActionPotential:
     """Returns the time course of a cell model."""
-    columns, beats = _native.action_potential(given)
+    columns, beats = _native.action_potential(given, heard(progress))
     states = dict(columns)
     by_beat = [
         {name: np.nan if value is None else value for name, value, _ in beat} for beat in beats

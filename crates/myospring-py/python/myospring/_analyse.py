@@ -8,7 +8,7 @@ import os
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any, Callable, Iterator, Mapping, Sequence, Union, cast
+from typing import Any, Iterator, Mapping, Sequence, Union, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from myospring import _native
 from myospring._errors import UnknownNameError, warn
 from myospring._fit import Curve, Reading
+from myospring._progress import Progress, heard
+from myospring._xarray import dataset
 
 # Metrics that a notebook shows, if the curve has them.
 _SHOWN = 12
@@ -93,6 +95,17 @@ class AnalysedCurve:
     def title(self) -> str:
         """File and column."""
         return f"{Path(self.file).name}: {self.name}" if self.file else self.name
+
+    def to_xarray(self) -> Any:
+        """Returns the curve as a dataset; needs xarray.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``values`` over ``t_ms``, with its unit as an attribute.
+        """
+        times = {"t_ms": (("t_ms",), self.t_ms)}
+        return dataset({"values": (("t_ms",), self.values)}, times, {"title": self.title}, {"values": self.unit})
 
     def __repr__(self) -> str:
         found = _count(len(self.beats), "beat") if self.error is None else self.error
@@ -183,9 +196,7 @@ class Analysis(Mapping[str, AnalysedCurve]):
         OSError
             The folder contains files, or cannot be written to.
         """
-        saved, said = self._native.save(os.fspath(folder), force)
-        warn(said)
-        return Path(saved)
+        return Path(self._native.save(os.fspath(folder), force))
 
     def __repr__(self) -> str:
         beats = sum(len(one.beats) for one in self.curves)
@@ -270,7 +281,7 @@ def analyse(
     ignore_marks: bool = False,
     mean: bool = False,
     skip_gaps: bool = False,
-    progress: Callable[[str, int, int], object] | None = None,
+    progress: Progress = None,
 ) -> Analysis:
     """Finds the beats of measured curves and returns every metric of every beat, as ``myospring analyse`` does.
 
@@ -297,8 +308,8 @@ def analyse(
         Start and end of the part of the recording to use, ms.
     ignore_marks, mean, skip_gaps : bool
         Whether to ignore the marks of a pacer; to use the mean of all columns; to skip frames without a number.
-    progress : callable or None
-        Called with the stage, the number of finished steps of it, and the number of all its steps.
+    progress : callable, bool or None
+        As in `track`.
 
     Returns
     -------
@@ -343,6 +354,6 @@ def analyse(
         "smoothing_ms": smoothing_ms,
         "keep_drift": keep_drift,
     }
-    analysis = Analysis(_native.analyse(paths, measured, reading.by_name(), finding, progress))
+    analysis = Analysis(_native.analyse(paths, measured, reading.by_name(), finding, heard(progress)))
     warn(analysis.warnings)
     return analysis

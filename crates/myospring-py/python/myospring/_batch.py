@@ -9,10 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from myospring import _native
 from myospring._cell import Cell, cell_of
-from myospring._functions import BEAT_KEYS, BeatSettings
 from myospring._errors import warn
-from myospring._given import changed, floats
+from myospring._functions import BeatSettings
+from myospring._given import floats
 from myospring._lists import METRICS
+from myospring._progress import Progress, heard
+from myospring._settings import given_of_beat
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -26,6 +28,7 @@ def simulate_batch(
     *,
     metrics: Sequence[str] | None = None,
     threads: int | None = None,
+    progress: Progress = None,
     return_reasons: Literal[False] = False,
     **settings: Unpack[BeatSettings],
 ) -> NDArray[np.float64]: ...
@@ -37,6 +40,7 @@ def simulate_batch(
     *,
     metrics: Sequence[str] | None = None,
     threads: int | None = None,
+    progress: Progress = None,
     return_reasons: Literal[True],
     **settings: Unpack[BeatSettings],
 ) -> tuple[NDArray[np.float64], list[str | None]]: ...
@@ -47,6 +51,7 @@ def simulate_batch(
     *,
     metrics: Sequence[str] | None = None,
     threads: int | None = None,
+    progress: Progress = None,
     return_reasons: bool = False,
     **settings: Any,
 ) -> NDArray[np.float64] | tuple[NDArray[np.float64], list[str | None]]:
@@ -72,6 +77,8 @@ def simulate_batch(
         Names of `METRICS`; None: all. For several beats, the mean.
     threads : int or None
         Number of members computed at a time; None: the number of cores.
+    progress : callable, bool or None
+        As in `track`, called with ``("members", done, all)`` after each member.
     return_reasons : bool
         Whether to return why members failed.
     **settings
@@ -106,15 +113,10 @@ def simulate_batch(
         raise ValueError(f"params has the shape {matrix.shape}; with {len(names)} names it must be (N, {len(names)})")
     if len(set(names)) != len(names):
         raise ValueError(f"names has one name twice: {', '.join(names)}")
-    unknown = [name for name in settings if name not in BEAT_KEYS]
-    if unknown:
-        near = [name for name in BEAT_KEYS if name.startswith(f"{unknown[0]}_")]
-        meant = f"; did you mean '{near[0]}'?" if near else ""
-        raise TypeError(f"simulate_batch() got an unexpected keyword argument '{unknown[0]}'{meant}")
-    given = changed(*((BEAT_KEYS[name][0], value, BEAT_KEYS[name][1]) for name, value in settings.items()))
+    given = given_of_beat("simulate_batch", settings)
     wanted = list(METRICS) if metrics is None else list(metrics)
     cell = cell_of(cell)
-    values, reasons = _native.simulate_batch(cell._native, given, list(names), matrix, wanted, threads)
+    values, reasons = _native.simulate_batch(cell._native, given, list(names), matrix, wanted, threads, heard(progress))
     if return_reasons:
         return values, reasons
     failed = [(row, reason) for row, reason in enumerate(reasons) if reason is not None]

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from myospring import _native
 from myospring._cell import Cell, cell_of
 from myospring._errors import warn
+from myospring._progress import Progress, heard
+from myospring._xarray import dataset
 
 # First metrics of a table in a notebook.
 _SHOWN = ("peak_shortening", "time_to_peak_from_stimulus", "peak_tension", "action_potential_duration_90")
@@ -177,6 +179,23 @@ class Beat:
 
         return pandas.DataFrame({name: self._native.column(name) for name in self._native.columns})
 
+    def to_xarray(self) -> Any:
+        """Returns curves and shapes as a dataset; needs xarray.
+
+        Returns
+        -------
+        xarray.Dataset
+            Curves over ``t_ms``; positions over ``frame_t_ms``, ``node`` and ``axis``; units are attributes.
+        """
+        curves = {name: (("t_ms",), self._native.column(name)) for name in self._native.columns if name != "t_ms"}
+        shapes = {
+            "positions_um": (("frame_t_ms", "node", "axis"), self.positions),
+            "triangles": (("triangle", "corner"), self.triangles),
+            "fibres": (("triangle", "axis"), self.fibres),
+        }
+        times = {"t_ms": (("t_ms",), self.t_ms), "frame_t_ms": (("frame_t_ms",), self.frame_t_ms)}
+        return dataset({**curves, **shapes}, times, {"title": self.cell.name, "run_file": self.run_file})
+
     def plot(self, axes: Any = None) -> Any:
         """Draws potential, tension and shortening over time; needs matplotlib.
 
@@ -240,9 +259,7 @@ class Beat:
             The folder contains files, or cannot be written to.
         """
         words = outputs.split(",") if isinstance(outputs, str) else None if outputs is None else list(outputs)
-        saved, said = self._native.save(os.fspath(folder), force, words)
-        warn(said)
-        return Path(saved)
+        return Path(self._native.save(os.fspath(folder), force, words))
 
     @classmethod
     def load(cls, folder: str | PathLike[str]) -> Beat:
@@ -366,10 +383,10 @@ class SimulationError(RuntimeError):
         return str(self.args[0])
 
 
-def run(cell: Cell | None, given: dict[str, Any], threads: int | None) -> Beat:
+def run(cell: Cell | None, given: dict[str, Any], threads: int | None, progress: Progress) -> Beat:
     """Returns the beat of a cell, or raises the error that stopped it."""
     cell = cell_of(cell)
-    return ended(Beat(cell, _native.simulate(cell._native, given, threads)))
+    return ended(Beat(cell, _native.simulate(cell._native, given, threads, heard(progress))))
 
 
 def ended(beat: Beat) -> Beat:

@@ -7,7 +7,7 @@ import json
 import os
 from os import PathLike
 from pathlib import Path
-from typing import Any, Callable, Mapping, Sequence, Union
+from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,11 @@ from numpy.typing import NDArray
 from myospring import _native
 from myospring._beat import Beat
 from myospring._errors import warn
+from myospring._progress import Progress, heard
+from myospring._settings import PictureSettings, given_of_picture
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 # A beat, or a run file, a picture, an outline or a folder of results.
 Run = Union[Beat, str, PathLike[str]]
@@ -91,9 +96,7 @@ class Comparison:
         OSError
             The folder holds files, or cannot be written to.
         """
-        saved, said = self._native.save(os.fspath(folder), force)
-        warn(said)
-        return Path(saved)
+        return Path(self._native.save(os.fspath(folder), force))
 
     def __repr__(self) -> str:
         return f"<myospring.Comparison of {', '.join(self.labels)}>"
@@ -124,7 +127,9 @@ def compare(
     doses: str | PathLike[str] | Mapping[str, Any] | None = None,
     labels: Sequence[str] | None = None,
     threads: int | None = None,
-    progress: Callable[[str, int, int], object] | None = None,
+    progress: Progress = None,
+    pixel_size_um: float | None = None,
+    **settings: Unpack[PictureSettings],
 ) -> Comparison:
     """Compares the settings and metrics of runs, as ``myospring compare`` does.
 
@@ -137,11 +142,16 @@ def compare(
     doses : path, mapping or None
         Doses of drugs: a TOML file as ``myospring compare --help`` describes it, or its content. Each dose is run.
     labels : sequence of str or None
-        Names of beats among the runs, in their order; None: those of their cells.
+        Names of the runs, in their order; None: their titles, or else the names of their folders, files or cells.
     threads : int or None
         Number of runs computed at a time; None: the number of cores.
-    progress : callable or None
-        Called with the stage, the number of finished steps of it, and the number of all its steps.
+    progress : callable, bool or None
+        As in `track`.
+    pixel_size_um : float or None
+        Side of a pixel of pictures among the runs, um.
+    **settings
+        Settings of `simulate` and `Cell.from_image` that override those of each run file or picture. Beats and folders
+        of results are finished, and take none.
 
     Returns
     -------
@@ -168,16 +178,15 @@ def compare(
     >>> bool(found.differences["peak_shortening"][1] > 4)
     True
     """
-    beats = [run for run in runs if isinstance(run, Beat)]
-    if labels is not None and len(labels) != len(beats):
-        raise ValueError(f"there are {len(labels)} labels and {len(beats)} beats")
-    names = iter([beat.cell.name for beat in beats] if labels is None else labels)
-    inputs = [(next(names), run._native) if isinstance(run, Beat) else os.fspath(run) for run in runs]
+    if labels is not None and len(labels) != len(runs):
+        raise ValueError(f"there are {len(labels)} labels and {len(runs)} runs")
+    inputs = [run._native if isinstance(run, Beat) else os.fspath(run) for run in runs]
+    given = given_of_picture("compare", pixel_size_um, settings, override=True)
     factors = [(label, [(name, float(factor)) for name, factor in one.items()]) for label, one in (scale or {}).items()]
     if isinstance(doses, Mapping):
         text: str | None = _native.study_toml(json.dumps(doses))
     else:
         text = None if doses is None else Path(doses).read_text(encoding="utf-8")
-    comparison = Comparison(_native.compare(inputs, {}, factors, text, threads, progress))
+    comparison = Comparison(_native.compare(inputs, list(labels or []), given, factors, text, threads, heard(progress)))
     warn(comparison.warnings)
     return comparison

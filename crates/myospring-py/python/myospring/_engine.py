@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from myospring import _native
+from myospring._progress import Heard
 
 # Result of a batch of a study: numbers of members, metrics (n, M), why one has none, curves (n, L), seconds.
 Rows = tuple[NDArray[np.uint64], NDArray[np.float64], list[str | None], NDArray[np.float32], float]
@@ -33,6 +34,8 @@ Answer = tuple[Any, ...]
 
 # Size of the first batches, before the time of a member is known.
 FIRST = {"cell": 128, "beat": 4, "fit": 1}
+# What a person calls them.
+STAGES = {"cell": "members", "beat": "members", "fit": "cells"}
 # Cells are integrated together in lanes, which should be filled.
 LANES = {"cell": 16, "beat": 1, "fit": 1}
 # Largest batch, however fast its members are.
@@ -218,7 +221,7 @@ class Run:
         threads: int,
         seconds: float,
         tries: int,
-        watch: Callable[[int, int, float | None], None] | None,
+        watch: Heard | None,
     ) -> None:
         self._tasks = tasks
         self._threads = threads
@@ -230,7 +233,7 @@ class Run:
         self._again: deque[Batch] = deque()
         self._pending: dict[Future[Answer], Batch] = {}
         self._given_up = 0
-        self._begun, self._done = time.monotonic(), 0
+        self._done = 0
         self._shown = -np.inf
 
     def here(self, threads: int) -> None:
@@ -368,5 +371,4 @@ class Run:
         self._shown = now
         left = len(self._left) - self._done
         members = self._tasks.size
-        seconds = (now - self._begun) / self._done * left if self._done else None
-        self._watch(members - left, members, seconds)
+        self._watch(STAGES[self._tasks.kind], members - left, members)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Mapping, NamedTuple, Sequence, Union
+from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,8 +19,11 @@ from myospring._beat import Beat, ended
 from myospring._cell import Cell, cell_of
 from myospring._errors import warn
 from myospring._functions import BEAT_KEYS
-from myospring._given import changed, floats
-from myospring._tension_map import FilmSettings, TensionMap, given_of_film
+from myospring._given import film_path, floats
+from myospring._progress import Progress, heard
+from myospring._settings import PictureSettings, given_of_beat, given_of_picture
+from myospring._tension_map import TensionMap
+from myospring._xarray import dataset
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -107,6 +110,18 @@ class FittedCurve:
     residual: float
     misfit: float
     unexplained: float
+
+    def to_xarray(self) -> Any:
+        """Returns both curves as a dataset; needs xarray.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``measured``, ``fitted`` and ``used`` over ``t_ms``; units are attributes.
+        """
+        over_time = {name: (("t_ms",), getattr(self, name)) for name in ("measured", "fitted", "used")}
+        units = {"measured": self.unit, "fitted": self.unit}
+        return dataset(over_time, {"t_ms": (("t_ms",), self.t_ms)}, {"title": self.name}, units)
 
 
 class Fit:
@@ -266,13 +281,15 @@ class Fit:
             one.spines[["top", "right"]].set_visible(False)
         return axes
 
-    def simulate(self, *, threads: int | None = None) -> Beat:
+    def simulate(self, *, threads: int | None = None, progress: Progress = None) -> Beat:
         """Simulates the fitted cell: the run of `run_file`.
 
         Parameters
         ----------
         threads : int or None
             Threads of the run; None chooses their number by the size of the mesh.
+        progress : callable, bool or None
+            As in `myospring.simulate`.
 
         Returns
         -------
@@ -284,7 +301,7 @@ class Fit:
         SimulationError
             A run that stopped before its end.
         """
-        return ended(Beat(self.cell, _native.repeat(self.cell._native, self.run_file, threads)))
+        return ended(Beat(self.cell, _native.repeat(self.cell._native, self.run_file, threads, heard(progress))))
 
     def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
         """Writes what ``myospring fit`` writes of a film: numbers, curves, run file, figures, report, map and track.
@@ -314,9 +331,7 @@ class Fit:
                 "only a fit of a film is saved, by the process that made it; of others `run_file` repeats the beat, and "
                 "simulate().save(folder) writes it"
             )
-        saved, said = self._native.save(os.fspath(folder), force)
-        warn(said)
-        return Path(saved)
+        return Path(self._native.save(os.fspath(folder), force))
 
     def __repr__(self) -> str:
         numbers = ", ".join(f"{name} {self._amount(one)}" for name, one in self.parameters.items())
@@ -408,9 +423,6 @@ def asked_and_given(
         raise ValueError(f"starts = {starts} is above 10000; tens of starts find what there is to find")
     if not 0 <= seed < 2**64:
         raise ValueError(f"seed = {seed} is outside its bounds, 0 to 2**64 - 1")
-    unknown = [name for name in settings if name not in BEAT_KEYS]
-    if unknown:
-        raise TypeError(f"{function}() got an unexpected keyword argument '{unknown[0]}'")
     names = list(free or [])
     held = dict(fix) if isinstance(fix, Mapping) else {}
     for name in held:
@@ -430,15 +442,14 @@ def asked_and_given(
     settings.setdefault("integrator", "quasi-static")
     if held:
         settings["parameters"] = {**(settings.get("parameters") or {}), **held}
-    given = changed(*((BEAT_KEYS[name][0], value, BEAT_KEYS[name][1]) for name, value in settings.items()))
-    return asked, given
+    return asked, given_of_beat(function, settings)
 
 
 def fit(
     curve: Curve | None = None,
     cell: Cell | None = None,
     *,
-    film: str | PathLike[str] | None = None,
+    film: str | PathLike[str] | ArrayLike | None = None,
     free: Sequence[str] | None = None,
     fix: Sequence[str] | Mapping[str, float | str] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
@@ -460,8 +471,8 @@ def fit(
     mean: bool = False,
     skip_gaps: bool = False,
     threads: int | None = None,
-    progress: Callable[[str, int, int], object] | None = None,
-    **settings: Unpack[FilmSettings],
+    progress: Progress = None,
+    **settings: Unpack[PictureSettings],
 ) -> Fit:
     """Fits a cell's own parameters to its measured curve, with confidence intervals, as ``myospring fit`` does.
 
@@ -472,8 +483,8 @@ def fit(
         it.
     cell : Cell or None
         The cell's shape; None: the built-in one, or that of the film.
-    film : path or None
-        A film, or a folder of its frames, instead of a curve: its cell is followed, fitted to its own stretch (`columns`
+    film : path, array_like of shape (frames, rows, columns), or None
+        A film, a folder of its frames, or grey values, instead of a curve: its cell is followed, fitted to its own stretch (`columns`
         names another curve of ``track.csv``), compared with the fitted one, and mapped (`Fit.tension_map`).
     free : sequence of str or None
         Parameters to fit besides tension over stiffness, delays and the length at rest; None: those that a curve
@@ -510,8 +521,8 @@ def fit(
         Whether to use the mean of all columns; whether to skip frames without a number.
     threads : int or None
         Number of starts and profiles computed at a time; None: the number of cores. It does not change the results.
-    progress : callable or None
-        For a film: is called with the stage, the steps that are done, and all steps.
+    progress : callable, bool or None
+        As in `track`.
     **settings
         Known properties of the cell: the settings of `simulate`, with its names, units and defaults, ``model`` first. For
         a film also those of `Cell.from_image`, which find the cell in the frame at rest; ``outline`` says which, where
@@ -548,8 +559,10 @@ def fit(
     if film is not None:
         if not (curve is None and cell is None and not loaded):
             raise ValueError("film gives the curve and the cell; leave curve, cell and loaded out")
-        given |= given_of_film("fit", pixel_size_um, of_film)
-        found = Fit._of_film(_native.fit_film(os.fspath(film), given, reading.by_name(), asked, threads, progress))
+        given |= given_of_picture("fit", pixel_size_um, of_film)
+        with film_path(film) as path:
+            native = _native.fit_film(path, given, reading.by_name(), asked, threads, heard(progress))
+        found = Fit._of_film(native)
         warn([*found.notes, *found.verdicts, *(found.tension_map.warnings if found.tension_map else ())])
         return found
     if curve is None:
@@ -561,7 +574,8 @@ def fit(
         between.append((float(stiffness), held_curve))
         notes += more
     cell = cell_of(cell)
-    text, run_file = _native.Fitter(cell._native, given).fit(one, between, asked, threads)
+    fitter = _native.Fitter(cell._native, given, asked, between)
+    text, run_file = fitter.fit(one, threads, heard(progress))
     found = Fit(cell, one[0], text, run_file, notes)
     warn([*notes, *found.verdicts])
     return found

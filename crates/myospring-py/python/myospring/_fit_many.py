@@ -5,11 +5,10 @@ from __future__ import annotations
 import hashlib
 import os
 import pickle
-import sys
 import threading
 import time
 from collections import OrderedDict
-from concurrent.futures import Executor
+from concurrent.futures import CancelledError, Executor
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -24,7 +23,7 @@ from myospring._engine import Answer, Run
 from myospring._errors import warn
 from myospring._fit import Curve, Fit, Read, Reading, asked_and_given
 from myospring._functions import BeatSettings
-from myospring._study import Bar
+from myospring._progress import Progress, heard
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -94,27 +93,27 @@ _making = threading.Lock()
 
 
 def work(
-    key: str, head: bytes, numbers: NDArray[np.uint64], curves: list[Read], asked: dict[str, Any], threads: int, _try: int
+    key: str, head: bytes, numbers: NDArray[np.uint64], curves: list[Read], threads: int, _try: int
 ) -> tuple[NDArray[np.uint64], list[_Outcome], float]:
     """Fits some cells of one shape, in a worker; the shape's equilibria are solved once per process."""
     begun = time.monotonic()
     with _making:
         fitter = _made.pop(key, None)
         if fitter is None:
-            cell, given = pickle.loads(head)
-            fitter = _native.Fitter(cell._native, given)
+            cell, given, asked = pickle.loads(head)
+            fitter = _native.Fitter(cell._native, given, asked, [])
         _made[key] = fitter
         while len(_made) > 4:
             _made.popitem(last=False)
-    return numbers, [_outcome(fitter, curve, asked, threads) for curve in curves], time.monotonic() - begun
+    return numbers, [_outcome(fitter, curve, threads) for curve in curves], time.monotonic() - begun
 
 
-def _outcome(fitter: _native.Fitter, curve: Read, asked: dict[str, Any], threads: int) -> _Outcome:
+def _outcome(fitter: _native.Fitter, curve: Read, threads: int) -> _Outcome:
     name, kind, unit, times, values, stimuli = curve
     times, values = (np.require(array, requirements=["C", "A"]) for array in (times, values))
     own = (name, kind, unit, times, values, stimuli)
     try:
-        text, run_file = fitter.fit(own, [], asked, threads)
+        text, run_file = fitter.fit(own, threads, None)
     except ValueError as error:
         return None, None, str(error)
     return text, run_file, None
@@ -126,9 +125,9 @@ class _Tasks:
 
     heads: list[tuple[str, bytes]]
     curves: list[Read]
-    asked: dict[str, Any]
     outcomes: dict[int, _Outcome] = field(default_factory=dict)
     kind: str = "fit"
+    stopped: bool = False
 
     @property
     def size(self) -> int:
@@ -138,19 +137,27 @@ class _Tasks:
         return np.arange(self.size, dtype=np.uint64)
 
     def work(self, numbers: NDArray[np.uint64]) -> Answer:
+        if self.stopped:
+            raise CancelledError
         call, *arguments = self.call(numbers, 1, 0)
         answer: Answer = call(*arguments)
         return answer
 
     def stop(self) -> None:
-        """Does nothing, since a fit ends soon."""
+        """Ends the fits that this process works on."""
+        self.stopped = True
+        with _making:
+            for key, _ in self.heads:
+                fitter = _made.pop(key, None)
+                if fitter is not None:
+                    fitter.stop()
 
     def call(self, numbers: NDArray[np.uint64], threads: int, tries: int) -> tuple[Any, ...]:
         # The cells of a batch have one shape; others are returned as not finished.
         key, head = self.heads[int(numbers[0])]
         same = np.array([number for number in numbers if self.heads[int(number)][0] == key], dtype=np.uint64)
         curves = [self.curves[int(number)] for number in same]
-        return work, key, head, same, curves, self.asked, threads, tries
+        return work, key, head, same, curves, threads, tries
 
     def take(self, answer: Answer) -> None:
         numbers, outcomes, _ = answer
@@ -186,7 +193,7 @@ def fit_many(
     threads: int | None = None,
     batch_seconds: float = 2.0,
     tries: int = 3,
-    progress: Callable[[int, int, float | None], None] | bool | None = None,
+    progress: Progress = None,
     **settings: Unpack[BeatSettings],
 ) -> Fits:
     """Fits several cells, each to its own curve, here or on any executor; a cell that cannot be fitted becomes a row.
@@ -260,17 +267,11 @@ def fit_many(
     for one in cells:
         if id(one) not in heads:
             # Invalid settings are an error here, not in each worker.
-            _native.Fitter(one._native, given)
-            head = pickle.dumps((one, given))
+            _native.Fitter(one._native, given, asked, [])
+            head = pickle.dumps((one, given, asked))
             heads[id(one)] = (hashlib.sha256(head).hexdigest(), head)
-    tasks = _Tasks([heads[id(one)] for one in cells], read, asked)
-    watch: Callable[[int, int, float | None], None] | None
-    if callable(progress):
-        watch = progress
-    else:
-        shown = sys.stderr.isatty() if progress is None else progress
-        watch = Bar("cells") if shown else None
-    run = Run(tasks, threads or 1, batch_seconds, tries, watch)
+    tasks = _Tasks([heads[id(one)] for one in cells], read)
+    run = Run(tasks, threads or 1, batch_seconds, tries, heard(progress, on_terminal=True))
     if executor is None:
         cores = os.cpu_count() or 1
         run.here(min(threads or cores, cores))

@@ -9,6 +9,7 @@ from myospring._action_potential import ActionPotential, followed
 from myospring._beat import Beat, run
 from myospring._cell import Cell
 from myospring._given import changed
+from myospring._progress import Progress
 
 
 class BeatSettings(TypedDict, total=False):
@@ -187,6 +188,7 @@ def simulate(
     duration_ms: float | None = None,
     # </signature>
     threads: int | None = None,
+    progress: Progress = None,
 ) -> Beat:
     """Beats a cell: stimulus, action potential, tension, and the shape that follows it.
 
@@ -353,6 +355,8 @@ def simulate(
         None: 550 ms after the last stimulus.
     threads : int or None
         Most threads that move the masses; None takes as many as pay. The numbers are the same to the last bit.
+    progress : callable, bool or None
+        Called with ``("ms", done, all)`` while the cell beats; what it raises ends the run. True draws a bar.
 
     Returns
     -------
@@ -435,7 +439,7 @@ def simulate(
         ("run.duration", duration_ms, None),
     )
     # </given>
-    return run(cell, given, threads)
+    return run(cell, given, threads, progress)
 
 
 def action_potential(
@@ -459,6 +463,7 @@ def action_potential(
     duration_ms: float | None = None,
     output_interval_ms: float = 0.5,
     # </signature>
+    progress: Progress = None,
 ) -> ActionPotential:
     """Follows a cell model alone, at its resting length: potential and tension without a mesh.
 
@@ -504,6 +509,8 @@ def action_potential(
     output_interval_ms : float, default 0.5
         Interval of the rows in traces.csv, a multiple of the exchange interval. In ms, 0.001 ms to
         10000 ms.
+    progress : callable, bool or None
+        As in `simulate`.
 
     Returns
     -------
@@ -543,4 +550,4 @@ def action_potential(
         ("numerics.output_interval", output_interval_ms, 0.5),
     )
     # </given>
-    return followed(given)
+    return followed(given, progress)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import tempfile
+from contextlib import contextmanager
 from os import PathLike
-from typing import Any
+from pathlib import Path
+from typing import Any, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,6 +37,24 @@ def path_or_bytes(image: ArrayLike | str | PathLike[str], name: str) -> tuple[st
     if np.ma.is_masked(image):
         raise ValueError("a picture has a value at every pixel; fill what the mask hides, as image.filled(0) does")
     return name, {name: _native.tiff(_pixels(np.asarray(image)))}
+
+
+@contextmanager
+def film_path(film: str | PathLike[str] | ArrayLike) -> Iterator[str]:
+    """Yields the path of a film; the frames of an array are files as long as it is read."""
+    if isinstance(film, (str, PathLike)):
+        yield os.fspath(film)
+        return
+    frames: np.ndarray[Any, Any] = np.ma.asanyarray(film)
+    if frames.ndim != 3:
+        raise ValueError(f"a film of the shape {frames.shape} is none; give (frames, rows, columns), in grey")
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder) / "film"
+        place.mkdir()
+        for number, picture in enumerate(frames):
+            _, arrays = path_or_bytes(picture, "frame.tif")
+            (place / f"frame_{number:06}.tif").write_bytes(arrays["frame.tif"])
+        yield os.fspath(place)
 
 
 def _pixels(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:

@@ -52,6 +52,9 @@ __version__: str
 # Name, kind, unit, times (ms), values, stimuli (ms).
 _Curve = tuple[str, str, str, NDArray[np.float64], NDArray[np.float64], list[float]]
 
+# Hears of the stage, the steps that are done, and all of them.
+_Progress = Callable[[str, int, int], object] | None
+
 @final
 class Cell:
     def __new__(cls, given: dict[str, Any], arrays: dict[str, bytes]) -> Cell: ...
@@ -114,21 +117,24 @@ class Beat:
     def overview_svg(self) -> str: ...
     def save(
         self, folder: str | PathLike[str], force: bool, outputs: list[str] | None
-    ) -> tuple[str | PathLike[str], list[str]]: ...
+    ) -> str | PathLike[str]: ...
     def state(self) -> bytes: ...
     @staticmethod
     def of_state(cell: Cell, state: bytes) -> Beat: ...
 
 @final
 class Fitter:
-    def __new__(cls, cell: Cell, given: dict[str, Any]) -> Fitter: ...
-    def fit(
-        self,
-        curve: _Curve,
-        loaded: list[tuple[float, _Curve]],
+    def __new__(
+        cls,
+        cell: Cell,
+        given: dict[str, Any],
         asked: dict[str, Any],
-        threads: int | None,
+        loaded: list[tuple[float, _Curve]],
+    ) -> Fitter: ...
+    def fit(
+        self, curve: _Curve, threads: int | None, progress: _Progress
     ) -> tuple[str, str]: ...
+    def stop(self) -> None: ...
 
 @final
 class Analysis:
@@ -136,7 +142,7 @@ class Analysis:
     def curves(self) -> list[tuple[str, NDArray[np.float64], NDArray[np.float64]]]: ...
     @property
     def warnings(self) -> list[str]: ...
-    def save(self, folder: str | PathLike[str], force: bool) -> tuple[str | PathLike[str], list[str]]: ...
+    def save(self, folder: str | PathLike[str], force: bool) -> str | PathLike[str]: ...
 
 @final
 class Comparison:
@@ -146,7 +152,7 @@ class Comparison:
     def warnings(self) -> list[str]: ...
     @property
     def settings(self) -> list[tuple[str, list[str]]]: ...
-    def save(self, folder: str | PathLike[str], force: bool) -> tuple[str | PathLike[str], list[str]]: ...
+    def save(self, folder: str | PathLike[str], force: bool) -> str | PathLike[str]: ...
 
 @final
 class Motion:
@@ -171,7 +177,7 @@ class Motion:
     def triangles(self) -> NDArray[np.uint32]: ...
     def save(
         self, folder: str | PathLike[str], force: bool, outputs: list[str] | None
-    ) -> tuple[str | PathLike[str], list[str]]: ...
+    ) -> str | PathLike[str]: ...
 
 @final
 class FilmFit:
@@ -185,7 +191,7 @@ class FilmFit:
     def tension_map(self) -> TensionMap | None: ...
     @property
     def shapes(self) -> str | None: ...
-    def save(self, folder: str | PathLike[str], force: bool) -> tuple[str | PathLike[str], list[str]]: ...
+    def save(self, folder: str | PathLike[str], force: bool) -> str | PathLike[str]: ...
 
 @final
 class TensionMap:
@@ -201,7 +207,7 @@ class TensionMap:
     @property
     def positions(self) -> NDArray[np.float64]: ...
     def svg(self) -> str: ...
-    def save(self, folder: str | PathLike[str], force: bool) -> tuple[str | PathLike[str], list[str]]: ...
+    def save(self, folder: str | PathLike[str], force: bool) -> str | PathLike[str]: ...
 
 @final
 class Study:
@@ -280,10 +286,12 @@ class Segmentation:
     def overlay_svg(self) -> str: ...
     def save(
         self, folder: str | PathLike[str], force: bool
-    ) -> tuple[str | PathLike[str], list[str]]: ...
+    ) -> str | PathLike[str]: ...
     def write(self, file: str | PathLike[str], force: bool) -> list[str]: ...
 
-def segment(given: dict[str, Any], arrays: dict[str, bytes], all: bool) -> Segmentation: ...
+def segment(
+    given: dict[str, Any], arrays: dict[str, bytes], all: bool, progress: _Progress
+) -> Segmentation: ...
 def beat_pictures(
     folder: str | PathLike[str] | None,
     pattern: str | None,
@@ -294,11 +302,13 @@ def beat_pictures(
     jobs: int | None,
     output: str | PathLike[str] | None,
     force: bool,
-    progress: Callable[[str, int, int], object] | None,
+    progress: _Progress,
 ) -> tuple[dict[str, Any], str, list[str]]: ...
 def main(arguments: list[str]) -> int: ...
-def simulate(cell: Cell, given: dict[str, Any], threads: int | None) -> Beat: ...
-def repeat(cell: Cell, run_file: str, threads: int | None) -> Beat: ...
+def simulate(
+    cell: Cell, given: dict[str, Any], threads: int | None, progress: _Progress
+) -> Beat: ...
+def repeat(cell: Cell, run_file: str, threads: int | None, progress: _Progress) -> Beat: ...
 def read_curves(
     path: str | PathLike[str], reading: dict[str, Any]
 ) -> tuple[list[_Curve], list[str]]: ...
@@ -307,15 +317,16 @@ def analyse(
     curves: list[_Curve],
     reading: dict[str, Any],
     finding: dict[str, Any],
-    progress: Callable[[str, int, int], object] | None,
+    progress: _Progress,
 ) -> Analysis: ...
 def compare(
-    inputs: list[tuple[str, Beat] | str],
+    inputs: list[Beat | str],
+    labels: list[str],
     given: dict[str, Any],
     scale: list[tuple[str, list[tuple[str, float]]]],
     doses: str | None,
     threads: int | None,
-    progress: Callable[[str, int, int], object] | None,
+    progress: _Progress,
 ) -> Comparison: ...
 def track(
     film: str,
@@ -323,21 +334,21 @@ def track(
     frame_rate_per_s: float | None,
     subset_um: float | None,
     threads: int | None,
-    progress: Callable[[str, int, int], object] | None,
+    progress: _Progress,
 ) -> Motion: ...
 def fit_film(
-    film: str | PathLike[str],
+    film: str,
     given: dict[str, Any],
     reading: dict[str, Any],
     asked: dict[str, Any],
     threads: int | None,
-    progress: Callable[[str, int, int], object] | None,
+    progress: _Progress,
 ) -> FilmFit: ...
 def tension_map(
-    film: str | PathLike[str],
+    film: str,
     given: dict[str, Any],
     frame_rate_per_s: float | None,
-    progress: Callable[[str, int, int], object] | None,
+    progress: _Progress,
 ) -> TensionMap: ...
 def simulate_batch(
     cell: Cell,
@@ -346,16 +357,18 @@ def simulate_batch(
     params: NDArray[np.float64],
     wanted: list[str],
     threads: int | None,
+    progress: _Progress,
 ) -> tuple[NDArray[np.float64], list[str | None]]: ...
 def action_potential(
     given: dict[str, Any],
+    progress: _Progress,
 ) -> tuple[
     list[tuple[str, NDArray[np.float64]]], list[list[tuple[str, float | None, str]]]
 ]: ...
 def presets() -> list[tuple[str, str, str]]: ...
 def preset_cell(name: str) -> Cell: ...
 def simulate_preset(
-    name: str, cell: Cell, given: dict[str, Any], threads: int | None
+    name: str, cell: Cell, given: dict[str, Any], threads: int | None, progress: _Progress
 ) -> Beat: ...
 def load(folder: str | PathLike[str]) -> tuple[Cell, Beat]: ...
 def metrics() -> list[tuple[str, str, str]]: ...

@@ -7,15 +7,17 @@ import json
 import os
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Literal, Mapping
+from typing import TYPE_CHECKING, Any, Iterable, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from myospring import _native
 from myospring._errors import warn
-from myospring._functions import BEAT_KEYS, BeatSettings
+from myospring._functions import BeatSettings
 from myospring._given import changed
+from myospring._progress import Progress, heard
+from myospring._settings import given_of_beat
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -113,7 +115,7 @@ def batch(
     figures: bool = False,
     threads: int | None = None,
     force: bool = False,
-    progress: Callable[[str, int, int], object] | None = None,
+    progress: Progress = None,
     # <signature of image>
     pixel_size_um: float | None = None,
     any_size: bool = False,
@@ -154,8 +156,8 @@ def batch(
         Pictures at a time; None takes as many as there are cores.
     force : bool
         Begins anew in `output`.
-    progress : callable or None
-        Is called with ``("pictures", done, all)`` after each picture. What it raises ends the batch.
+    progress : callable, bool or None
+        As in `track`, called with ``("pictures", done, all)`` after each picture.
     pixel_size_um : float or None
         Side of one pixel of a picture, or of an outline in pixels. Never guessed. In um, 0.001 um
         to 50 um. None: the picture's own.
@@ -217,9 +219,6 @@ def batch(
     KeyboardInterrupt
         Ctrl-C, within a second; what is done stays in `output`.
     """
-    unknown = [name for name in settings if name not in BEAT_KEYS]
-    if unknown:
-        raise TypeError(f"batch() got an unexpected keyword argument '{unknown[0]}'")
     # <given of image>
     given = changed(
         ("shape.pixel_size", pixel_size_um, None),
@@ -239,11 +238,11 @@ def batch(
         ("segmentation.outline", outline, None),
     )
     # </given>
-    named: Mapping[str, Any] = settings
-    given |= changed(*((BEAT_KEYS[name][0], value, BEAT_KEYS[name][1]) for name, value in named.items()))
+    given |= given_of_beat("batch", settings)
     folder, table, files = _found(pictures)
+    results = None if output is None else os.fspath(output)
     done = _native.beat_pictures(
-        folder, pattern, table, files, given, figures, threads, None if output is None else os.fspath(output), force, progress
+        folder, pattern, table, files, given, figures, threads, results, force, heard(progress)
     )
     made = Batch(*done)
     failed = made.failed

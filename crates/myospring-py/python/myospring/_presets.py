@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import os
-from os import PathLike
 from typing import TYPE_CHECKING
 
 from myospring import _native
 from myospring._beat import Beat, ended
 from myospring._cell import Cell
-from myospring._functions import BEAT_KEYS, BeatSettings
+from myospring._functions import BeatSettings
+from myospring._progress import Progress, heard
+from myospring._settings import given_of_beat
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -33,7 +33,12 @@ def presets() -> dict[str, str]:
 
 
 def simulate_preset(
-    name: str, cell: Cell | None = None, *, threads: int | None = None, **settings: Unpack[BeatSettings]
+    name: str,
+    cell: Cell | None = None,
+    *,
+    threads: int | None = None,
+    progress: Progress = None,
+    **settings: Unpack[BeatSettings],
 ) -> Beat:
     """Beats a cell as a published experiment does.
 
@@ -45,6 +50,8 @@ def simulate_preset(
         The cell's shape; None takes that of the preset.
     threads : int or None
         Threads of the beat; None takes what its mesh is worth.
+    progress : callable, bool or None
+        As in `simulate`.
     **settings
         Settings of `simulate`, instead of those of the preset.
 
@@ -60,13 +67,6 @@ def simulate_preset(
     SimulationError
         The run stopped before its end.
     """
-    unknown = [one for one in settings if one not in BEAT_KEYS]
-    if unknown:
-        raise TypeError(f"simulate_preset() got an unexpected keyword argument '{unknown[0]}'")
-    given = {
-        BEAT_KEYS[one][0]: os.fspath(value) if isinstance(value, PathLike) else value
-        for one, value in settings.items()
-        if value is not None
-    }
+    given = given_of_beat("simulate_preset", settings, override=True)
     cell = Cell(_native.preset_cell(name)) if cell is None else cell
-    return ended(Beat(cell, _native.simulate_preset(name, cell._native, given, threads)))
+    return ended(Beat(cell, _native.simulate_preset(name, cell._native, given, threads, heard(progress))))

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from myospring import _native
 from myospring._errors import warn
 from myospring._given import changed, path_or_bytes
+from myospring._progress import Progress, heard
 
 # What a report has of a cell that is none of its shape in numbers.
 _OTHER = ("number", "name", "confidence", "warnings", "lattice", "fibres")
@@ -143,9 +144,7 @@ class Segmentation(Sequence[SegmentedCell]):
         if path.suffix:
             self._native.write(os.fspath(path), force)
             return path
-        saved, said = self._native.save(os.fspath(path), force)
-        warn(said)
-        return Path(saved)
+        return Path(self._native.save(os.fspath(path), force))
 
     def __repr__(self) -> str:
         count = "1 cell" if len(self) == 1 else f"{len(self)} cells"
@@ -202,6 +201,7 @@ def segment(
     outline: str | PathLike[str] | None = None,
     # </signature>
     stain: Literal["z-disc", "filament"] | None = None,
+    progress: Progress = None,
 ) -> Segmentation:
     """The cells of a picture: outlines, how sure they are, shape in numbers. Nothing beats.
 
@@ -258,6 +258,8 @@ def segment(
     stain : {"z-disc", "filament"} or None
         What the picture shows: stripes across the fibre or threads along it. None: z-discs, if stripes as far apart as
         sarcomeres are found.
+    progress : callable, bool or None
+        As in `track`.
 
     Returns
     -------
@@ -305,6 +307,6 @@ def segment(
     # </given>
     given |= changed(("mechanics.stain", stain, None))
     every = cell is None and seed is None
-    found = Segmentation(_native.segment({"shape.picture": path, **given}, arrays, every))
+    found = Segmentation(_native.segment({"shape.picture": path, **given}, arrays, every, heard(progress)))
     warn(found.warnings)
     return found

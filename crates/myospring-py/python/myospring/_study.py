@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import html
 import json
+import logging
 import os
-import sys
 from concurrent.futures import Executor
 from functools import cached_property
 from os import PathLike
@@ -19,6 +19,7 @@ from myospring import _native
 from myospring._engine import Run, StudyTasks
 from myospring._errors import warn
 from myospring._given import floats
+from myospring._progress import Progress, heard
 
 ROWS = "rows.csv"
 
@@ -287,26 +288,6 @@ def _csv(rows: ArrayLike, names: Sequence[str] | None) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-class Bar:
-    """A progress bar on the terminal."""
-
-    def __init__(self, what: str = "members") -> None:
-        self._what = what
-
-    def __call__(self, done: int, members: int, seconds: float | None) -> None:
-        share = done / max(members, 1)
-        bar = "#" * round(30 * share)
-        left = "" if seconds is None or done == members else f", {_duration(seconds)} left"
-        end = "\n" if done == members else ""
-        print(f"\r[{bar:30}] {done}/{members} {self._what}{left}\x1b[K", end=end, file=sys.stderr, flush=True)
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 100:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.0f} h"
-
-
 def run_study(
     study: str | PathLike[str] | Mapping[str, Any],
     executor: Executor | Callable[[], Executor] | None = None,
@@ -318,7 +299,7 @@ def run_study(
     threads: int | None = None,
     batch_seconds: float = 2.0,
     tries: int = 3,
-    progress: Callable[[int, int, float | None], None] | bool | None = None,
+    progress: Progress = None,
 ) -> StudyResult:
     """Runs or resumes a study, here or on any executor.
 
@@ -355,8 +336,8 @@ def run_study(
         Number of attempts at a batch whose worker died before its members fail. Such failures are not recorded in
         `output`, so that the same call tries again.
     progress : callable, bool or None
-        Called with the number of finished members, of all members, and the remaining seconds (None until they can be
-        estimated); True draws a bar, None does so on a terminal, False shows nothing.
+        Called with ``("members", done, all)``; True draws a bar, None does so on a terminal, False shows nothing. What
+        it raises ends the study.
 
     Returns
     -------
@@ -404,13 +385,10 @@ def run_study(
             warn([f"the stored results of {native.damaged} members in {results} were changed or damaged; they are computed again"])
         if native.changed:
             warn([f"the study's parameters or sampling changed: {native.changed} stored members in {results} had other values; they are computed again"])
-        watch: Callable[[int, int, float | None], None] | None
-        if callable(progress):
-            watch = progress
-        else:
-            shown = sys.stderr.isatty() if progress is None else progress
-            watch = Bar() if shown else None
-        run = Run(StudyTasks(native), threads or 1, batch_seconds, tries, watch)
+        done = native.size - len(native.left())
+        if done:
+            logging.getLogger("myospring").info("continuing: %d of %d members are done", done, native.size)
+        run = Run(StudyTasks(native), threads or 1, batch_seconds, tries, heard(progress, on_terminal=True))
         if executor is None:
             cores = os.cpu_count() or 1
             run.here(min(threads or cores, cores))

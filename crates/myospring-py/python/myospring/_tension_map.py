@@ -1,4 +1,4 @@
-"""Where the cell of a film pulls. `generate.py` writes what it takes of settings."""
+"""Where the cell of a film pulls."""
 
 from __future__ import annotations
 
@@ -8,66 +8,21 @@ import os
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Literal, Mapping, TypedDict
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from myospring import _native
 from myospring._cell import Cell
 from myospring._errors import warn
-from myospring._functions import BEAT_KEYS, BeatSettings
-from myospring._given import changed
+from myospring._given import film_path
+from myospring._progress import Progress, heard
+from myospring._settings import PictureSettings, given_of_picture
+from myospring._xarray import dataset
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
-
-
-class FilmSettings(BeatSettings, total=False):
-    """The settings of the cell of a film, by name: those of `simulate`, and those that find it in the frame at rest."""
-
-    # <typed of film>
-    any_size: bool
-    spacing_um: float | None
-    modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None
-    channel: int | None
-    frame: int | None
-    z: int | str | None
-    threshold: float | None
-    smooth_um: float | None
-    min_area_um2: float | None
-    max_area_um2: float | None
-    allow_cut: bool
-    outline: str | PathLike[str] | None
-    # </typed>
-
-
-_FILM_KEYS: Mapping[str, tuple[str, Any]] = {
-    # <keys of film>
-    "any_size": ("shape.any_size", False),
-    "spacing_um": ("shape.spacing", None),
-    "modality": ("segmentation.modality", None),
-    "channel": ("segmentation.channel", None),
-    "frame": ("segmentation.frame", None),
-    "z": ("segmentation.z", None),
-    "threshold": ("segmentation.threshold", None),
-    "smooth_um": ("segmentation.smooth", None),
-    "min_area_um2": ("segmentation.min_area", None),
-    "max_area_um2": ("segmentation.max_area", None),
-    "allow_cut": ("segmentation.allow_cut", False),
-    "outline": ("segmentation.outline", None),
-    # </keys>
-}
-
-
-def given_of_film(function: str, pixel_size_um: float | None, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings of a film's cell by key."""
-    known = {**BEAT_KEYS, **_FILM_KEYS}
-    unknown = [name for name in settings if name not in known]
-    if unknown:
-        raise TypeError(f"{function}() got an unexpected keyword argument '{unknown[0]}'")
-    named = ((known[name][0], value, known[name][1]) for name, value in settings.items())
-    return changed(("shape.pixel_size", pixel_size_um, None), *named)
 
 
 class TensionMap:
@@ -136,6 +91,22 @@ class TensionMap:
 
         return pandas.DataFrame(dict(self._native.columns()))
 
+    def to_xarray(self) -> Any:
+        """Returns the map as a dataset; needs xarray.
+
+        Returns
+        -------
+        xarray.Dataset
+            Tensions over ``triangle``, with its centre; units are attributes.
+        """
+        columns = {name: (("triangle",), values) for name, values in self._native.columns()}
+        shapes = {
+            "positions_um": (("node", "axis"), self.positions),
+            "triangles": (("triangle", "corner"), self.cell.triangles),
+        }
+        centres = {name: columns.pop(name) for name in ("x_um", "y_um")}
+        return dataset({**columns, **shapes}, centres, {"title": self.cell.name, "headline": self.headline})
+
     def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
         """Writes ``tension_map.json``, ``tension_map.csv``, the figure and, of a map that is known, ``tension_map.vtu``.
 
@@ -157,9 +128,7 @@ class TensionMap:
         OSError
             The folder holds files, or cannot be written to.
         """
-        saved, said = self._native.save(os.fspath(folder), force)
-        warn(said)
-        return Path(saved)
+        return Path(self._native.save(os.fspath(folder), force))
 
     @cached_property
     def _figure(self) -> str:
@@ -175,25 +144,25 @@ class TensionMap:
 
 
 def tension_map(
-    film: str | PathLike[str],
+    film: str | PathLike[str] | ArrayLike,
     *,
     pixel_size_um: float | None = None,
     frame_rate_per_s: float | None = None,
-    progress: Callable[[str, int, int], object] | None = None,
-    **settings: Unpack[FilmSettings],
+    progress: Progress = None,
+    **settings: Unpack[PictureSettings],
 ) -> TensionMap:
     """Follows the cell of a film and maps its active tension at the peak of the contraction.
 
     Parameters
     ----------
-    film : path
-        A film, or a folder of its frames, as ``myospring track`` takes it.
+    film : path, or array_like of shape (frames, rows, columns)
+        A film, a folder of its frames, or grey values.
     pixel_size_um : float or None
         Side of one pixel, um. None: what the film says of itself.
     frame_rate_per_s : float or None
         Frames a second. None: what the film says of itself.
-    progress : function or None
-        Hears of each step: stage, steps that are done, all steps.
+    progress : callable, bool or None
+        As in `track`.
     **settings
         What is known of the cell: the settings of `simulate`, of which ``young_modulus_kpa``, ``support`` and
         ``bed_stiffness_kpa_per_um`` matter most, and those of `Cell.from_image`, which find it in the frame at rest (``outline`` says which, where there are several).
@@ -214,7 +183,8 @@ def tension_map(
     KeyboardInterrupt
         Ctrl-C.
     """
-    given = given_of_film("tension_map", pixel_size_um, settings)
-    found = TensionMap(_native.tension_map(os.fspath(film), given, frame_rate_per_s, progress))
+    given = given_of_picture("tension_map", pixel_size_um, settings)
+    with film_path(film) as path:
+        found = TensionMap(_native.tension_map(path, given, frame_rate_per_s, heard(progress)))
     warn(found.warnings)
     return found

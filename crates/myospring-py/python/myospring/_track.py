@@ -5,18 +5,19 @@ from __future__ import annotations
 import html
 import json
 import os
-import tempfile
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any, Callable, Literal, Sequence
+from typing import Any, Literal, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from myospring import _native
 from myospring._errors import warn
-from myospring._given import changed, path_or_bytes
+from myospring._given import changed, film_path
+from myospring._progress import Progress, heard
+from myospring._xarray import dataset
 
 
 class Motion:
@@ -132,6 +133,26 @@ class Motion:
         columns = {name: self._native.column(name) for name in self._native.columns()}
         return pandas.DataFrame({"frame": self.frames, **columns})
 
+    def to_xarray(self) -> Any:
+        """Returns curves and shapes as a dataset; needs xarray.
+
+        Returns
+        -------
+        xarray.Dataset
+            Curves over ``t_ms``; positions over ``t_ms``, ``node`` and ``axis``; units are attributes.
+        """
+        columns = [name for name in self._native.columns() if name != "t_ms"]
+        curves = {name: (("t_ms",), self._native.column(name)) for name in columns}
+        shapes = {
+            "contraction_pct": (("t_ms",), self.contraction_pct),
+            "positions_um": (("t_ms", "node", "axis"), self.positions),
+            "interpolated": (("t_ms", "node"), self.interpolated),
+            "stage_um": (("t_ms", "axis"), self.stage_um),
+            "triangles": (("triangle", "corner"), self.triangles),
+        }
+        times = {"t_ms": (("t_ms",), self.t_ms), "frame": (("t_ms",), self.frames)}
+        return dataset({**curves, **shapes}, times, {"title": Path(self.numbers["film"]).name})
+
     def plot(self, axes: Any = None) -> Any:
         """Draws the contraction over time, and the sarcomeres if there are any; needs matplotlib.
 
@@ -186,9 +207,7 @@ class Motion:
             The folder contains files, or cannot be written to.
         """
         words = outputs.split(",") if isinstance(outputs, str) else None if outputs is None else list(outputs)
-        saved, said = self._native.save(os.fspath(folder), force, words)
-        warn(said)
-        return Path(saved)
+        return Path(self._native.save(os.fspath(folder), force, words))
 
     def _facts(self) -> str:
         headline = self.numbers["headline"]
@@ -228,7 +247,7 @@ def track(
     spacing_um: float | None = None,
     stain: Literal["z-disc", "filament"] | None = None,
     threads: int | None = None,
-    progress: Callable[[str, int, int], object] | None = None,
+    progress: Progress = None,
 ) -> Motion:
     """Tracks a cell in a film by digital image correlation, as ``myospring track`` does.
 
@@ -258,8 +277,9 @@ def track(
         Stained structure: stripes across the fibre or filaments along it. None: z-disc.
     threads : int or None
         Number of threads; the results do not depend on it.
-    progress : callable or None
-        Called with the stage, the number of finished steps of it, and the number of all its steps.
+    progress : callable, bool or None
+        Called with the stage, the number of finished steps of it, and the number of all its steps; what it raises ends
+        the work. True draws a bar.
 
     Returns
     -------
@@ -285,16 +305,7 @@ def track(
         ("segmentation.allow_cut", allow_cut, False),
         ("mechanics.stain", stain, None),
     )
-    rest = (given, frame_rate_per_s, subset_um, threads, progress)
-    if isinstance(film, (str, PathLike)):
-        motion = Motion(_native.track(os.fspath(film), *rest))
-    else:
-        with tempfile.TemporaryDirectory() as folder:
-            place = Path(folder) / "film"
-            place.mkdir()
-            for number, picture in enumerate(np.asanyarray(film)):
-                _, arrays = path_or_bytes(picture, "frame.tif")
-                (place / f"frame_{number:06}.tif").write_bytes(arrays["frame.tif"])
-            motion = Motion(_native.track(os.fspath(place), *rest))
+    with film_path(film) as path:
+        motion = Motion(_native.track(path, given, frame_rate_per_s, subset_um, threads, heard(progress)))
     warn(motion.warnings)
     return motion

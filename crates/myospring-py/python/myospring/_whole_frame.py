@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from os import PathLike
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from myospring import _native
 from myospring._errors import warn
 from myospring._given import changed, path_or_bytes
+from myospring._xarray import dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +71,18 @@ class WholeFrame:
     order: NDArray[np.float64]
     coverage: NDArray[np.float64]
     warnings: list[str]
+
+    def to_xarray(self) -> Any:
+        """Returns fibres and sarcomeres as a dataset; needs xarray.
+
+        Returns
+        -------
+        xarray.Dataset
+            Numbers over ``place``, with its coordinates; units are attributes.
+        """
+        names = ("direction_deg", "sarcomere_um", "sarcomere_doubtful", "order", "coverage")
+        places = {"x_um": (("place",), self.positions[:, 0]), "y_um": (("place",), self.positions[:, 1])}
+        return dataset({name: (("place",), getattr(self, name)) for name in names}, places, {})
 
     def __repr__(self) -> str:
         size = f"{self.width_um:.0f} x {self.height_um:.0f} um"

@@ -29,6 +29,7 @@ pub struct ExperimentError {
     passage: Option<Passage>,
     /// Of a file that could not be read.
     kind: Option<io::ErrorKind>,
+    is_unknown_name: bool,
 }
 
 /// The place in a text that an error is about.
@@ -46,7 +47,12 @@ impl ExperimentError {
     /// A message without advice.
     pub fn new(message: impl fmt::Display) -> Self {
         let message = legible::message(&message.to_string());
-        Self { message, advice: None, passage: None, kind: None }
+        Self { message, advice: None, passage: None, kind: None, is_unknown_name: false }
+    }
+
+    /// A name that does not exist.
+    pub(super) fn of_name(message: impl fmt::Display) -> Self {
+        Self { is_unknown_name: true, ..Self::new(message) }
     }
 
     /// A file that could not be read.
@@ -108,6 +114,12 @@ impl ExperimentError {
     #[must_use]
     pub fn kind(&self) -> Option<io::ErrorKind> {
         self.kind
+    }
+
+    /// Whether it is a name that does not exist.
+    #[must_use]
+    pub fn is_unknown_name(&self) -> bool {
+        self.is_unknown_name
     }
 
     /// Message and advice in one line.

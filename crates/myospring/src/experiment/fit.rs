@@ -1,5 +1,6 @@
 //! A cell's own parameters from its measured curves, or from a film of its beat.
 
+mod cell;
 mod curves;
 mod description;
 mod files;
@@ -14,12 +15,12 @@ pub mod words;
 use super::input::{self, ChosenSetting, Input};
 use super::tension_map::FilmMap;
 use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
-use crate::fit::{FitError, FitSettings, Fitter, Loaded, Observed};
+use crate::fit::Loaded;
 use crate::interruption::Interruption;
-use crate::measured::Curve;
 use crate::settings::{self, Run, Shaped, Value};
 use crate::study::Threads;
-pub use curves::{EndSprings, between_springs, observed, of_table};
+pub use cell::FittableCell;
+pub use curves::{EndSprings, Named, between_springs, of_table};
 pub use description::FitCell;
 pub use film::FollowedFilm;
 use outcome::Work;
@@ -27,11 +28,6 @@ pub use outcome::{Fits, FittedCell};
 use serde::Serialize;
 pub use shapes::Shapes;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
-
-/// Steps of the progress of all fits.
-const STEPS: f64 = 1000.0;
 
 /// A fit whose files are read, and whose film is followed.
 pub struct PreparedFit {
@@ -93,23 +89,10 @@ impl FitCell {
         let own = own.is_some();
         let made = run.make(shaped, |file| files.bytes(file))?;
         run.fibre = made.fibres.taken;
-        let fitter = Fitter::new(made.simulation).map_err(ExperimentError::new)?;
-        let settings = self.sought(&run, !loaded.is_empty())?;
-        let (report, outline) = (made.report, made.outline);
-        let beats = self.beats.clone();
-        let work = Work {
-            run,
-            fitter,
-            report,
-            outline,
-            settings,
-            beats,
-            curves,
-            loaded,
-            own,
-            threads: self.threads,
-            files: files.clone(),
-        };
+        let (report, outline) = (made.report.clone(), made.outline.clone());
+        let cell = FittableCell::new(run, made, &self.sought, self.beats.clone(), loaded)?;
+        let (threads, files) = (self.threads, files.clone());
+        let work = Work { cell, report, outline, curves, own, threads, files };
         Ok(PreparedFit { name, stem, film, work: Some(work), notes })
     }
 
@@ -153,22 +136,6 @@ impl FitCell {
         let Input { name, run, shaped, .. } = read;
         Ok((name, run, shaped))
     }
-
-    fn sought(&self, run: &Run, loaded: bool) -> Result<FitSettings, ExperimentError> {
-        self.sought.settings(&*run.cell, loaded).map_err(|error| match error {
-            FitError::NotFitted { name, sought }
-                if self.sought.fix.iter().any(|it| it.trim() == name) =>
-            {
-                ExperimentError::new(format!("--fix: `{name}` is not fitted anyway"))
-                    .advise(format!("fitted are {sought}"))
-            }
-            FitError::NotFitted { name, sought } => {
-                ExperimentError::new(format!("--bounds: `{name}` is not fitted"))
-                    .advise(format!("fitted are {sought}; --free adds others"))
-            }
-            error => ExperimentError::new(error),
-        })
-    }
 }
 
 impl PreparedFit {
@@ -179,18 +146,6 @@ impl PreparedFit {
         format!("{of}_{}", if many { "fits" } else { "fit" })
     }
 
-    /// The number of curves and, if fits are slow, how long the fit of one takes on one thread.
-    pub fn forecast(&self) -> (usize, Option<Duration>) {
-        let Some(work) = &self.work else { return (0, None) };
-        // A curve without a beat is reported later.
-        let first =
-            |curve: &curves::Named| curves::observed(curve.1.as_ref().ok()?, &work.beats).ok();
-        let takes = work.curves.iter().find_map(first).and_then(|observed| {
-            work.fitter.will_take(&work.with_loaded(observed), &work.settings).ok()
-        });
-        (work.curves.len(), takes.flatten())
-    }
-
     /// Fits every cell.
     ///
     /// # Errors
@@ -199,7 +154,9 @@ impl PreparedFit {
     pub fn run(self, observer: &dyn Observer) -> Result<Fits, ExperimentError> {
         let Self { name, film, work, mut notes, .. } = self;
         let cells = match &work {
-            Some(work) => work.cells(&notes, observer)?,
+            Some(work) => {
+                work.cell.fit(&work.curves, &notes, &Threads::new(work.threads)?, observer)?
+            }
             None => Vec::new(),
         };
         let (mut map, mut shapes) = (None, None);
@@ -208,75 +165,16 @@ impl PreparedFit {
             (work.as_ref().filter(|work| work.own), &film, cells.first())
         {
             let followed = &film.followed;
-            match FilmMap::of(Arc::clone(followed), work.fitter.simulation()) {
+            match FilmMap::of(Arc::clone(followed), work.cell.fitter.simulation()) {
                 Ok(found) => map = Some(found),
                 Err(error) => notes.push(format!("the map of tension is left out: {error}")),
             }
             if let (Ok(fit), false) = (&first.found, observer.interruption().is_requested()) {
-                shapes = Shapes::of(Arc::clone(followed), &work.fitter, &work.run, fit)?;
+                shapes = Shapes::of(Arc::clone(followed), &work.cell.fitter, &work.cell.run, fit)?;
             }
         }
         Ok(Fits { name, cells, film, map, shapes, notes, work })
     }
-}
-
-impl Work {
-    fn with_loaded(&self, observed: Observed) -> Vec<Loaded> {
-        let support = self.fitter.simulation().support;
-        [Loaded { support, observed }].into_iter().chain(self.loaded.iter().cloned()).collect()
-    }
-
-    /// A cell for each curve, until the work is interrupted.
-    fn cells(
-        &self,
-        notes: &[String],
-        observer: &dyn Observer,
-    ) -> Result<Vec<FittedCell>, ExperimentError> {
-        let (threads, interruption) = (Threads::new(self.threads)?, observer.interruption());
-        observer.stage("\u{2030} of the fits", STEPS as u64);
-        let (done, count) = (AtomicU64::new(0), self.curves.len());
-        let mut cells = Vec::new();
-        for (number, (name, curve)) in self.curves.iter().enumerate() {
-            let goes_on = |part: f64| {
-                let now = (STEPS * (number as f64 + part) / count as f64) as u64;
-                observer.reached(done.fetch_max(now, Ordering::Relaxed).max(now));
-                !interruption.is_requested()
-            };
-            let fitted = |curve: &Curve| {
-                let all = self.with_loaded(curves::observed(curve, &self.beats)?);
-                threads.install(|| self.fitter.fit_loaded(&all, &self.settings, &goes_on))
-            };
-            let found = match curve {
-                Ok(curve) => fitted(curve).map_err(|error| failed(&error, notes)),
-                Err(error) => Err(error.clone()),
-            };
-            let found = match found {
-                Ok(Some(fit)) => Ok(fit),
-                Ok(None) => break,
-                Err(error) if count == 1 => return Err(error),
-                Err(error) => Err(error),
-            };
-            cells.push(FittedCell { name: name.clone(), found });
-        }
-        Ok(cells)
-    }
-}
-
-fn failed(error: &FitError, notes: &[String]) -> ExperimentError {
-    let failure = ExperimentError::new(error);
-    let failure = match error {
-        FitError::Curve { .. } | FitError::NoBeat { .. } => {
-            failure.advise("`myospring analyse` shows the curve and the beats found in it")
-        }
-        FitError::TooMany { .. } => {
-            failure.advise("`--fix Ca50_ref` fixes one; without --free the other two are fitted")
-        }
-        FitError::Kind { .. } => {
-            failure.advise("--columns chooses another column, --kind says what it is")
-        }
-        _ => failure,
-    };
-    notes.iter().fold(failure, |failure, note| failure.also(note))
 }
 
 impl Fits {
@@ -291,8 +189,7 @@ impl Fits {
     /// Numbers that the model does not take.
     pub fn fitted_run(&self, fit: &crate::fit::Fit) -> Result<(Run, f64), ExperimentError> {
         let work = self.work.as_ref().ok_or_else(|| ExperimentError::new("nothing was fitted"))?;
-        let run = work.fitter.fitted(work.run.clone(), fit).map_err(ExperimentError::new)?;
-        Ok((run, work.report.spacing_um))
+        work.cell.fitted_run(fit)
     }
 
     /// Whether there is a fit of every curve.
@@ -318,7 +215,7 @@ impl Outcome for Fits {
     }
 
     fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
-        let mut run = self.work.as_ref().map(|work| work.run.clone());
+        let mut run = self.work.as_ref().map(|work| work.cell.run.clone());
         if let Some(film) = &self.film {
             let own = self.work.as_ref().is_some_and(|work| work.own);
             film.write(folder, &self.name, run.as_mut().filter(|_| own))?;

@@ -67,6 +67,7 @@ impl Experiment for Segment {
         };
         let bytes = shape.bytes(|file| files.bytes(file))?;
         let refused = Refused { picture: &self.picture, shape, place: self.refused.clone(), files };
+        observer.stage("outlines", 1);
         let cells = source.cells(&bytes).map_err(|cause| refused.without_cells(cause, &bytes))?;
         let (chosen, mut left_out) = match chosen(&cells, source, self.all, source.allow_cut) {
             Ok(chosen) => chosen,
@@ -89,9 +90,13 @@ impl Experiment for Segment {
         if let (Some(cause), true) = (first.last(), chosen.is_empty()) {
             return Err(refused.with_cells(cause, &cells, self.all));
         }
+        observer.reached(1);
         let mut chosen = Chosen::of(shape, &cells, chosen);
-        for cell in &mut chosen {
+        observer.stage("fibres of cells", chosen.len() as u64);
+        for (done, cell) in (1..).zip(&mut chosen) {
             cell.look_for_fibres(self.run.fibre, &cells)?;
+            observer.reached(done);
+            observer.interruption().check().map_err(ExperimentError::new)?;
         }
         Ok(Segmented { picture: self.picture.clone(), cells, chosen, left_out, all: self.all })
     }

@@ -3,7 +3,7 @@
 
 use super::beat::quick_twitch;
 use myospring::cell::pacing::Protocol;
-use myospring::cell::solve::{SolveError, SolverSettings, solve_interruptible};
+use myospring::cell::solve::{SolveError, SolverSettings, solve_while};
 use myospring::cell::steady::{self, SteadyError};
 use myospring::cell::{CellModel, coelho_2021};
 use myospring::integrate::Method;
@@ -123,7 +123,7 @@ const TRIALS: [Trial; 7] = [
         work: |asked| {
             let (model, protocol) = paced();
             let settings = SolverSettings::default();
-            match solve_interruptible(&*model, protocol, settings, 600.0, 1.0, &asked) {
+            match solve_while(&*model, protocol, settings, 600.0, 1.0, |_| !asked.is_requested()) {
                 Err(SolveError::Interrupted(_)) => true,
                 Err(error) => panic!("{error}"),
                 Ok(_) => false,

@@ -21,6 +21,8 @@ const WHOLE: f64 = 1000.0;
 pub struct Compare {
     /// Inputs; if empty, the built-in cell.
     pub inputs: Vec<Source>,
+    /// Names of the inputs, in their order; their own where there are fewer.
+    pub labels: Vec<String>,
     /// Settings that override those of the inputs.
     pub settings: Vec<ChosenSetting>,
     /// Sets of factors on numbers of each run.
@@ -127,9 +129,11 @@ impl Compare {
         let alone = self.inputs.len() <= 1;
         let mut jobs = Vec::new();
         let inputs = self.inputs.iter().map(Some).chain(self.inputs.is_empty().then_some(None));
-        for source in inputs {
+        for (number, source) in inputs.enumerate() {
             let (name, what, anew) = self.what(source, files)?;
-            let control = alone && !variants.is_empty();
+            let given = self.labels.get(number);
+            let control = alone && !variants.is_empty() && given.is_none();
+            let name = given.cloned().unwrap_or(name);
             let label = if control { "control".to_owned() } else { name.clone() };
             jobs.push(Job { label, what, factors: Vec::new() });
             for Dose { label, factors } in &variants {
@@ -159,6 +163,12 @@ impl Compare {
     ) -> Result<(String, What, What), ExperimentError> {
         let path = match source {
             Some(Source::Run(side)) => {
+                if !self.settings.is_empty() {
+                    let message =
+                        format!("`{}` is a finished run; settings do not change it", side.label);
+                    return Err(ExperimentError::new(message)
+                        .advise("give them to the run, or compare its run file"));
+                }
                 let anew = What::Settings(Box::new(side.file.clone()));
                 return Ok((side.label.clone(), What::There(side.clone()), anew));
             }

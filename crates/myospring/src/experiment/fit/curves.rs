@@ -9,7 +9,7 @@ use crate::settings::{self, Setting};
 use std::path::PathBuf;
 
 /// A curve by its name, or why it cannot be read.
-pub(super) type Named = (String, Result<Curve, ExperimentError>);
+pub type Named = (String, Result<Curve, ExperimentError>);
 
 /// The curves of a table that are fitted, one for each cell, and the assumptions.
 pub fn of_table(table: Table, options: &TableOptions) -> (Vec<Curve>, Vec<String>) {
@@ -105,7 +105,7 @@ pub fn between_springs(
             "--loaded: {stiffness} nN/um; it must be {words}"
         )));
     }
-    let mut observed = observed(curve, beats).map_err(ExperimentError::new)?;
+    let mut observed = observed(curve, beats)?;
     observed.name = format!("{stiffness} nN/um");
     Ok(Loaded { support: SupportKind::SpringHeldEnds { stiffness }, observed })
 }
@@ -114,7 +114,7 @@ pub fn between_springs(
 ///
 /// # Errors
 /// Those of [`Observed::of`].
-pub fn observed(curve: &Curve, beats: &BeatOptions) -> Result<Observed, FitError> {
+pub(super) fn observed(curve: &Curve, beats: &BeatOptions) -> Result<Observed, FitError> {
     let stimuli = beats.within(curve).stimuli_ms;
     Observed::of(curve, (!stimuli.is_empty()).then_some(stimuli.as_slice()))
 }

@@ -45,7 +45,7 @@ pub(super) fn records<'a>(fits: &'a Fits) -> Vec<Record<'a>> {
         version: env!("CARGO_PKG_VERSION"),
         cell: &cell.name,
         shape: &fits.name,
-        model: work.fitter.simulation().cell.name(),
+        model: work.cell.fitter.simulation().cell.name(),
         fit: cell.found.as_ref().ok(),
         reason: cell.found.as_ref().err().map(ToString::to_string),
         shapes: fits.shapes.as_ref().map(Shapes::record),
@@ -63,7 +63,7 @@ pub(super) fn write(
     run: &Run,
     observer: &dyn Observer,
 ) -> Result<(), ExperimentError> {
-    let path = work.fitter.simulation().shared_path(Tolerance::default()).ok();
+    let path = work.cell.fitter.simulation().shared_path(Tolerance::default()).ok();
     let mut inputs = Inputs::default();
     inputs.keep(folder, run.to_run_file(), |file| work.files.bytes(file))?;
     let shared = Shared { fits, work, run, inputs, path };
@@ -100,9 +100,9 @@ impl Shared<'_> {
         let up = if several { "../../" } else { "" };
         folder.write(&format!("{within}fit.json"), json::pretty(record)?)?;
         folder.write(&format!("{within}curve.csv"), tables::curves(fit).to_csv()?)?;
-        let run = work.fitter.fitted(self.run.clone(), fit).map_err(ExperimentError::new)?;
-        let simulation = simulation(&work.fitter, &run);
-        let run_file = resolved(&run, (inputs, up), &simulation, work.report.spacing_um, None);
+        let run = work.cell.fitter.fitted(self.run.clone(), fit)?;
+        let simulation = simulation(&work.cell.fitter, &run);
+        let run_file = resolved(&run, (inputs, up), &simulation, work.cell.spacing_um, None);
         folder.write(&format!("{within}run.toml"), &run_file)?;
         if observer.is_late() {
             return Ok(());

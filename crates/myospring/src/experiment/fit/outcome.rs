@@ -1,11 +1,11 @@
 //! Fits and their inputs.
 
+use super::cell::FittableCell;
 use super::curves::Named;
 use super::film::FollowedFilm;
 use super::shapes::Shapes;
 use crate::experiment::tension_map::FilmMap;
-use crate::experiment::{BeatOptions, ExperimentError, Files, Inputs};
-use crate::fit::{FitSettings, Fitter, Loaded};
+use crate::experiment::{ExperimentError, Files, Inputs};
 use crate::mesh::outline::Outline;
 use crate::mesh::quality::MeshReport;
 use crate::settings::Run;
@@ -13,14 +13,10 @@ use crate::simulation::SharedPath;
 
 /// What is to be fitted.
 pub(super) struct Work {
-    pub(super) run: Run,
-    pub(super) fitter: Fitter,
+    pub(super) cell: FittableCell,
     pub(super) report: MeshReport,
     pub(super) outline: Outline,
-    pub(super) settings: FitSettings,
-    pub(super) beats: BeatOptions,
     pub(super) curves: Vec<Named>,
-    pub(super) loaded: Vec<Loaded>,
     /// Whether the cell is that of the film.
     pub(super) own: bool,
     pub(super) threads: Option<usize>,

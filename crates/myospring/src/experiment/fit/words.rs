@@ -1,6 +1,7 @@
 //! The numbers of fits as people read them.
 
 use crate::fit::{Estimate, Fit, FitVerdict, FittedCurve};
+use std::time::Duration;
 
 /// Name, value, 95 % interval and verdict of every estimate.
 pub fn estimates(fit: &Fit) -> Vec<[String; 4]> {
@@ -62,4 +63,18 @@ pub fn precise(value: f64, estimate: &Estimate) -> String {
 
 fn with_unit(text: String, unit: &str) -> String {
     if unit.is_empty() { text } else { format!("{text} {unit}") }
+}
+
+/// How long a fit of a cell whose curves are slow takes.
+pub(super) fn will_take(one: Duration, curves: usize, threads: usize) -> String {
+    let seconds = one.as_secs_f64() * curves as f64 / threads as f64;
+    let time = match seconds {
+        ..=90.0 => format!("{seconds:.0} s"),
+        ..=5400.0 => format!("{:.0} minutes", seconds / 60.0),
+        _ => format!("{:.1} hours", seconds / 3600.0),
+    };
+    let fits = if curves == 1 { "the fit takes" } else { "the fits take" };
+    format!(
+        "this cell model computes a whole beat for each curve that is tried: {fits} about {time} on this machine"
+    )
 }
