@@ -47,12 +47,12 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
     Ok(if outcome.left_out == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-/// Where results go unless that is said.
+/// The default folder for the results.
 fn folder(inputs: &[PathBuf]) -> PathBuf {
     let name = match inputs {
         [one] => {
             let stem = one.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            // MUSCLEMOTION calls all of its curves the same; its folders tell them apart.
+            // MUSCLEMOTION gives all its curves the same name; the names of its folders differ.
             let parent = one
                 .parent()
                 .and_then(Path::file_name)

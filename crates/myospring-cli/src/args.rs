@@ -64,10 +64,11 @@ pub(crate) enum Command {
     Run(Box<RunArgs>),
     /// Reproduce the paper's Figs 3, 5 and 6 and check every number that it states
     Paper(PaperArgs),
-    /// Find the cells of a picture, without simulating them: outlines, shapes and confidence
+    /// Find the cells of a picture, without a simulation: outlines, shapes and confidence
     #[command(alias = "outline")]
     Segment(SegmentArgs),
-    /// Follow a cell through a film: its curve of length, its stretches and sarcomeres, the motion of its points
+    /// Track a cell in a film: length, stretches and sarcomeres over time, and the motion of its
+    /// points
     Track(TrackArgs),
     /// Simulate the cells of a whole folder of pictures: one row per cell
     Batch(Box<BatchArgs>),
@@ -80,7 +81,7 @@ pub(crate) enum Command {
     Compare(Box<CompareArgs>),
     /// Run many simulations with varied numbers: sensitivity analyses and populations
     Study(StudyArgs),
-    /// Mesh a cell and report on the mesh, without simulating it
+    /// Mesh a cell and report on the mesh, without a simulation
     Mesh(MeshArgs),
     /// List the cell models, or the parameters of one
     #[command(alias = "model")]
@@ -202,11 +203,11 @@ pub(crate) struct CompareArgs {
     /// cell
     #[arg(value_name = "RESULTS|RUN.toml|PICTURE|OUTLINE")]
     pub(crate) inputs: Vec<PathBuf>,
-    /// One more run of each input with these factors on its numbers: parameters of the cell model or settings
-    /// (`tau_si=1.2,peak_tension=0.7`); may be given several times
+    /// Adds a run of each input with these factors on its numbers: parameters of the cell model or
+    /// settings (`tau_si=1.2,peak_tension=0.7`); may be given several times
     #[arg(long, value_name = "NAME=FACTOR,...", allow_hyphen_values = true)]
     pub(crate) scale: Vec<String>,
-    /// A file of drugs (.toml): one more run of each input for each concentration
+    /// File of drugs (.toml): adds a run of each input for each concentration
     #[arg(long, value_name = "FILE")]
     pub(crate) doses: Option<PathBuf>,
     /// Simultaneous runs, at most one per core [default: all cores]
@@ -321,13 +322,13 @@ pub(crate) struct TrackArgs {
     After an interruption (Ctrl-C), the same command continues.\n\
     Exit codes: 0 all pictures gave a simulated cell, 1 some failed, 2 bad input or usage.")]
 pub(crate) struct BatchArgs {
-    /// Folder of pictures (.png, .tif), searched with all subfolders; with --table, the folder of
-    /// its files [default: that of the table]
+    /// Folder of pictures (.png, .tif), including all subfolders; with --table, the folder of its
+    /// files [default: that of the table]
     #[arg(value_name = "FOLDER", required_unless_present = "table")]
     pub(crate) folder: Option<PathBuf>,
     /// Pictures with individual settings (.csv): a column `file`, and any of `pixel_size`,
     /// modality, channel, threshold, seed, outline, stain or another option; `group` is copied to
-    /// cells.csv. Several lines for one file are several of its cells
+    /// cells.csv. Several rows for one file are several cells of it
     #[arg(long, value_name = "FILE")]
     pub(crate) table: Option<PathBuf>,
     /// Only files whose name matches (with wildcards * and ?) [default: *.png, *.tif, *.tiff]

@@ -1,4 +1,4 @@
-//! `myospring batch`: every picture of a folder or a table, one row a cell.
+//! `myospring batch`: every picture of a folder or a table, one row per cell.
 
 use crate::args::BatchArgs;
 use crate::exit::ExitCode;
@@ -20,7 +20,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
         (None, Some(folder)) => {
             Pictures::Folder { folder: folder.clone(), pattern: args.pattern.clone() }
         }
-        // Which the arguments do not allow.
+        // The arguments do not allow this.
         (None, None) => {
             return Err(Failure::new("neither a folder nor a table of pictures was given"));
         }

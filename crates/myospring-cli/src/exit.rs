@@ -1,12 +1,12 @@
 //! How the program ends.
 
-/// The code that the program ends with: as [`std::process::ExitCode`], but whoever calls the program from within
-/// another one can read it.
+/// The exit code of the program, like [`std::process::ExitCode`], but readable by a calling
+/// program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ExitCode(pub u8);
 
 impl ExitCode {
-    /// All went well.
+    /// Success.
     pub const SUCCESS: Self = Self(0);
 }
 

@@ -1,4 +1,4 @@
-//! What goes wrong, as the program prints it, and the exit code that it gives.
+//! Errors as the program prints them, and their exit code.
 
 use crate::exit::ExitCode;
 use crate::print;
@@ -12,9 +12,9 @@ use std::io::IsTerminal;
 /// Bad input or usage.
 pub(crate) const BAD_INPUT: u8 = 2;
 
-/// Prints a failure and gives the exit code.
+/// Prints a failure and returns the exit code.
 pub(crate) fn report(failure: Failure) -> ExitCode {
-    // A hook that is already set does as well.
+    // A hook that is already set is kept.
     miette::set_hook(Box::new(|_| Box::new(handler()))).ok();
     let passage = failure.passage();
     let source = passage.map(|passage| NamedSource::new(&passage.file, passage.text.clone()));
@@ -22,12 +22,12 @@ pub(crate) fn report(failure: Failure) -> ExitCode {
     ExitCode::from(BAD_INPUT)
 }
 
-/// Lines are broken for a terminal only, so that scripts can search for a message.
+/// Lines are wrapped only for a terminal, so that scripts can search for a message.
 fn handler() -> MietteHandler {
     MietteHandlerOpts::new().wrap_lines(std::io::stderr().is_terminal()).build()
 }
 
-/// A failure with the text that it is about.
+/// A failure in a text, with the text.
 #[derive(Debug)]
 struct Printed {
     failure: Failure,

@@ -60,7 +60,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     Ok(if fits.is_whole() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-/// What the arguments ask for.
+/// The fit that the arguments describe.
 fn asked(args: &FitArgs) -> Result<FitCell, Failure> {
     let pixel = args.settings.get("shape.pixel_size").and_then(Value::as_text);
     let named = args.input.as_ref().or(args.to.first()).and_then(|path| path.file_stem());

@@ -1,4 +1,4 @@
-//! From what a command line says to a run, with the program's files and its signals.
+//! From the command line to a run, with the program's files and its signals.
 
 use crate::args::OutputArgs;
 use crate::failure::Failure;
@@ -11,7 +11,7 @@ use myospring::experiment::refused::Place;
 use myospring::run_file::Run;
 use std::path::{Path, PathBuf};
 
-/// Where the overlay of a picture goes that is refused: beside the results that there will not be.
+/// Where the overlay of a refused picture goes: next to the folder that the results would have had.
 pub(crate) fn refusals(args: &OutputArgs, name: &str) -> Place {
     let folder = args.output.as_ref().and_then(|output| {
         let beside = output.file_name()?.to_string_lossy();
@@ -20,12 +20,12 @@ pub(crate) fn refusals(args: &OutputArgs, name: &str) -> Place {
     Place::Folder(folder.unwrap_or_else(|| outlines(name)))
 }
 
-/// Where the outlines of a picture of this name go unless they are named.
+/// The default folder for the outlines of a picture of this name.
 pub(crate) fn outlines(name: &str) -> PathBuf {
     Path::new("results").join(format!("{name}_outline"))
 }
 
-/// Reads and checks every setting; the name of the results, and the run.
+/// Reads and checks every setting; returns the name of the results, and the run.
 pub(crate) fn settle(
     path: Option<&Path>,
     overrides: &[ChosenSetting],

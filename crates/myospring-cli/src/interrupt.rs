@@ -1,5 +1,5 @@
-//! Ctrl-C and its like. Until there is something to lose they end the program as they end any other; from then
-//! on the first asks it to end in good order, and the second ends it at once.
+//! Ctrl-C and other signals. Until there are results to lose they end the program at once. Later
+//! the first signal asks it to end in good order, and the second ends it at once.
 
 use crate::exit::ExitCode;
 use crate::print;
@@ -12,32 +12,32 @@ use std::sync::{Once, OnceLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Which signal came, 0 as long as none did.
+/// The signal that came, or 0.
 static ASKED: AtomicUsize = AtomicUsize::new(0);
-/// Whether the next one ends the program.
+/// Whether the next signal ends the program.
 static AGAIN: AtomicBool = AtomicBool::new(false);
 
-/// Whether the work is over, and what it came to is put in order.
+/// Whether the work has ended and the results are being written.
 static TIDIES: AtomicBool = AtomicBool::new(false);
 
-/// When it was heard.
+/// When the signal came.
 static SINCE: OnceLock<Instant> = OnceLock::new();
 
-/// What is done where writing has begun.
+/// The message if writing has begun.
 pub(crate) const WRITING: &str = "files that were begun are still written";
 
-/// How soon people hear that they were heard.
+/// Interval at which signals are checked, so that people soon see a reaction.
 const SOON: Duration = Duration::from_millis(50);
-/// How long figures and pages are still begun after a signal: those of an ordinary cell are there by then.
+/// How long after a signal figures and pages are still started: enough for those of a usual cell.
 const LATE: Duration = Duration::from_millis(400);
-/// How long work under way has to end, where all that is done is kept already.
+/// How long unfinished work has to end, if finished work is already stored.
 const GIVEN_UP: Duration = Duration::from_millis(900);
 
-/// From now on a signal asks for an end in good order; `doing` says what that is, once it is asked for.
+/// From now on a signal asks for an end in good order; `doing` describes it in the message.
 pub(crate) fn heed(doing: &'static str) {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // Without it, a signal ends the program as it does any other, and the next run clears what was left.
+        // Without it, a signal ends the program at once, and the next run removes the remains.
         if [SIGINT, SIGTERM].into_iter().try_for_each(register).is_ok() {
             thread::spawn(move || {
                 while !asked() {
@@ -50,8 +50,8 @@ pub(crate) fn heed(doing: &'static str) {
     });
 }
 
-/// As [`heed`], where all that is done is kept as soon as it is done: work that does not heed the signal soon, such as that
-/// on a huge picture, is ended with the program.
+/// As [`heed`], for commands that store finished work at once: work that does not end soon after
+/// the signal, such as that on a huge picture, is ended with the program.
 pub(crate) fn heed_soon(doing: &'static str) {
     static ONCE: Once = Once::new();
     heed(doing);
@@ -68,13 +68,13 @@ pub(crate) fn heed_soon(doing: &'static str) {
     });
 }
 
-/// The work has ended, by itself or early: what follows is done to its end.
+/// The work has ended, by itself or early; the rest is completed.
 pub(crate) fn tidies() {
     TIDIES.store(true, Ordering::SeqCst);
 }
 
 fn register(signal: i32) -> io::Result<()> {
-    // The order matters: the first signal arms what only the second one meets.
+    // The order matters: the first signal arms the handler of the second.
     #[cfg(unix)]
     flag::register_conditional_default(signal, &AGAIN)?;
     #[cfg(not(unix))]
@@ -84,22 +84,22 @@ fn register(signal: i32) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether the program is to end.
+/// Whether a signal asked the program to end.
 pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst) != 0
 }
 
-/// Whether the program was to end some time ago, so that pictures of its results are not drawn any more.
+/// Whether a signal came some time ago, so that no further figures are drawn.
 pub(crate) fn is_late() -> bool {
     SINCE.get().is_some_and(|since| since.elapsed() > LATE)
 }
 
-/// Ends work of the library once the program is to end.
+/// The interruption that ends work of the library after a signal.
 pub(crate) fn interruption() -> Interruption {
     Interruption::when(asked)
 }
 
-/// Ends the program: of the signal, if one came, so that a shell's loop over many runs ends as well.
+/// Ends the program, by the signal if one came, so that a shell's loop over many runs ends, too.
 pub(crate) fn end(code_otherwise: ExitCode) -> ExitCode {
     match ASKED.load(Ordering::SeqCst) {
         0 => code_otherwise,
@@ -113,13 +113,13 @@ pub(crate) fn end(code_otherwise: ExitCode) -> ExitCode {
     }
 }
 
-/// What a shell makes of a program that died of a signal: 130 for Ctrl-C, 143 for SIGTERM.
+/// The exit code in a shell of a program that a signal ended: 130 for Ctrl-C, 143 for SIGTERM.
 fn code(signal: usize) -> u8 {
     128_u8.saturating_add(signal as u8)
 }
 
-/// Makes a file that outgrows the limit of the shell (`ulimit -f`) an error of its writing, where the system would
-/// end the program without a word.
+/// Makes a file above the shell's limit (`ulimit -f`) a write error; otherwise the system would end
+/// the program without a message.
 pub(crate) fn large_files_are_errors() {
     #[cfg(unix)]
     {

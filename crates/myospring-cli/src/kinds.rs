@@ -1,4 +1,5 @@
-//! What a file or folder is, and which command takes it: the answer to the right file at the wrong command.
+//! Kinds of files and folders, and the commands that take them: for messages about a file given to
+//! the wrong command.
 
 use crate::failure::Failure;
 use crate::files::FILES;
@@ -11,18 +12,18 @@ use myospring::settings::PICTURE_ENDINGS;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What a file or folder is.
+/// The kind of a file or folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// A PNG or TIFF, which may have frames.
     Picture,
-    /// What can be nothing but a film.
+    /// A file that can only be a film.
     Film,
     /// Measured curves.
     Curves,
-    /// An outline that can be nothing else.
+    /// A file that can only be an outline.
     Outline,
-    /// A table or archive that holds none of these.
+    /// A table or archive of another kind.
     Strange,
     RunFile,
     /// The description of a study.
@@ -43,11 +44,12 @@ const FILMS: [&str; 12] =
 
 const TABLES: [&str; 5] = ["csv", "txt", "tsv", "dat", "xlsx"];
 
-/// Least number of rows of a table whose columns have no names, for it to be a curve and no list of corners.
+/// Least number of rows at which a table without names of columns is a curve, not a list of
+/// corners.
 const LONG: usize = 20;
 
 impl Kind {
-    /// What is there, where that is certain.
+    /// The kind of a path, if it is certain.
     fn of(path: &Path) -> Option<Self> {
         if path.is_dir() {
             let within = fs::read_dir(path).ok()?.flatten();
@@ -94,7 +96,7 @@ impl Kind {
         }
     }
 
-    /// What it is, in a sentence.
+    /// Its name in messages.
     const fn name(self) -> &'static str {
         match self {
             Self::Picture => "a picture",
@@ -168,14 +170,14 @@ fn is_curves(path: &Path) -> bool {
     table.curves.iter().any(is_curve)
 }
 
-/// The failure of a file or folder where a command was to be.
+/// The failure of a file or folder given instead of a command.
 pub(crate) fn without_command(path: &Path) -> Option<Failure> {
     let kind = Kind::of(path)?;
     let failure = Failure::new(format!("`{}` is {}, not a command", path.display(), kind.name()));
     Some(failure.advise(kind.answer(path)))
 }
 
-/// A path as it is written on a command line.
+/// A path, quoted for a command line.
 fn shown(path: &Path) -> String {
     let path = path.display().to_string();
     if path.contains(' ') { format!("\"{path}\"") } else { path }

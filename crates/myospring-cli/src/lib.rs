@@ -1,7 +1,8 @@
-//! The program `myospring`: arguments, progress, file names. What is computed is in the library `myospring`.
+//! The program `myospring`: arguments, progress, file names. All computation is in the library
+//! `myospring`.
 //!
-//! It is a library of its own so that the Python package brings the same program: [`main`] with the arguments that
-//! Python was given.
+//! It is a separate library so that the Python package includes the same program: [`main`] with the
+//! arguments that Python received.
 
 mod analyse;
 mod args;
@@ -43,9 +44,10 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// The whole program, with the arguments of a command line, its own name first; the code to end with.
+/// Runs the program with the arguments of a command line, its own name first; returns the exit
+/// code.
 ///
-/// It prints, heeds signals and may end the process with one.
+/// It prints, handles signals, and may end the process by a signal.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::large_files_are_errors();
     let code = read_and_do(arguments).unwrap_or_else(failure::report);
@@ -80,11 +82,11 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
         }
         Some(Command::Track(args)) => {
             let takes = [Kind::Film, Kind::Picture, Kind::Pictures];
-            // Before there is a folder for its results.
+            // Before a folder for the results is created.
             refusal("track", [&args.input], &takes).map_or_else(|| track::track(args), Err)
         }
         Some(Command::Batch(args)) => {
-            // Before it takes the figures of results for pictures of cells.
+            // Before figures of results are read as pictures of cells.
             refusal("batch", &args.folder, &[Kind::Pictures])
                 .map_or_else(|| batch::batch(args), Err)
         }
@@ -114,7 +116,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
     }
 }
 
-/// What came of a command; a failure says which command takes its file where this one does not.
+/// The result of a command; a failure names the command that takes the file if this one does not.
 fn with<'a>(
     command: &str,
     paths: impl IntoIterator<Item = &'a PathBuf>,

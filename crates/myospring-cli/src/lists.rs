@@ -119,7 +119,7 @@ impl SchemaOf {
         }
     }
 
-    /// The file that it has beside those that it is of.
+    /// The name of the schema's file.
     const fn file(self) -> &'static str {
         match self {
             Self::Run => "myospring-run.schema.json",
@@ -128,8 +128,8 @@ impl SchemaOf {
     }
 }
 
-/// Writes a text with a first line by which editors find its schema, and that beside it; a file of the schema's name that
-/// is none of ours stays.
+/// Writes a text with a first line by which editors find its schema, and the schema next to it;
+/// another file of the schema's name is not replaced.
 pub(crate) fn write_with_schema(path: &Path, text: &str, of: SchemaOf) -> Result<(), Failure> {
     FILES.write(path, format!("#:schema {}\n{text}", of.file()))?;
     let beside = path.with_file_name(of.file());

@@ -1,4 +1,4 @@
-//! How figures and films look: what the cell is coloured by, light or dark.
+//! The style of figures and films: colouring of the cell, light or dark.
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -6,14 +6,14 @@ use myospring::experiment::run::Style;
 use myospring::output::field::Field;
 use myospring::output::figure::Theme;
 
-/// How figures and films look.
+/// The style of figures and films.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(crate) struct Look {
-    /// What the cell is coloured by in figures and films
+    /// Quantity that colours the cell in figures and films
     #[arg(long, value_name = "NAME", value_parser = colours(), default_value = Field::default().word(),
           help_heading = super::args::OUTPUT)]
     pub(crate) colour: Field,
-    /// Paper of figures and films
+    /// Background of figures and films
     #[arg(long, value_name = "THEME", value_parser = themes(), default_value = Theme::default().word(),
           help_heading = super::args::OUTPUT)]
     pub(crate) theme: Theme,

@@ -1,4 +1,4 @@
-//! The program `myospring`; all of it is in the library beside it, so that the Python package has it, too.
+//! The program `myospring`; all of it is in its library, so that the Python package has it, too.
 
 use std::process::ExitCode;
 

@@ -24,7 +24,7 @@ pub(crate) fn manual(args: &ManualArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The page of a command and those of its own commands; how many there are.
+/// Writes the page of a command and those of its subcommands; returns their number.
 fn pages(command: &clap::Command, args: &ManualArgs) -> Result<usize, Failure> {
     let page = clap_mangen::Man::new(command.clone());
     let mut text = Vec::new();

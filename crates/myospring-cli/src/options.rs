@@ -112,7 +112,7 @@ impl<S: Scope> FromArgMatches for Settings<S> {
     }
 }
 
-/// The option of a setting, which clap knows by its key.
+/// The option of a setting; its key is the name for clap.
 fn argument(table: &Table, setting: &'static Setting, option: CommandOption) -> Arg {
     let argument = Arg::new(setting.key)
         .long(option.name.trim_start_matches('-'))

@@ -13,7 +13,7 @@ pub(crate) fn words() -> PossibleValuesParser {
     some.chain(every).collect::<Vec<_>>().into()
 }
 
-/// What the help says of `--outputs`.
+/// The help of `--outputs`.
 pub(crate) fn help() -> String {
     let default: Vec<&str> =
         OUTPUTS.iter().filter(|output| output.by_default).map(|output| output.word).collect();

@@ -4,14 +4,14 @@ use crate::failure::Failure;
 use myospring::experiment::legible;
 use std::io::{self, IsTerminal, Write};
 
-/// Data, to stdout. A reader that has gone away, like `head`, is no error; a full disk is one.
+/// Data, to stdout. A closed pipe, as with `head`, is not an error; a full disk is one.
 pub(crate) fn out(text: &str) -> Result<(), Failure> {
     check(write(io::stdout().lock(), &legible::visible(text)))
 }
 
 /// A message, to stderr.
 pub(crate) fn note(text: &str) {
-    // Nobody is left to tell about a failure here.
+    // A failure here cannot be reported.
     write(io::stderr().lock(), text).ok();
 }
 

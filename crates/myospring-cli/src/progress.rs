@@ -1,10 +1,10 @@
-//! How far a study has come.
+//! Progress bars.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, IsTerminal};
 use std::time::Duration;
 
-/// A bar on a terminal that counts members, `what` they are called; else one that is not seen.
+/// A bar on a terminal that counts `what`; hidden if there is no terminal.
 pub(crate) fn of_members(quiet: bool, members: usize, what: &str) -> ProgressBar {
     if quiet || !io::stderr().is_terminal() {
         return ProgressBar::hidden();

@@ -73,7 +73,7 @@ pub(crate) fn segment(args: &SegmentArgs) -> Result<ExitCode, Failure> {
     told(args, &text, &found.warnings())
 }
 
-/// The fibres and sarcomeres of all that the picture shows, without an outline.
+/// The fibres and sarcomeres of the whole picture, without an outline.
 fn whole_frame(
     args: &SegmentArgs,
     name: &str,
@@ -100,7 +100,7 @@ fn whole_frame(
     told(args, &text, &frame.warnings())
 }
 
-/// Prints the report, and what a person should look at.
+/// Prints the report and the warnings.
 fn told(args: &SegmentArgs, text: &str, notes: &[String]) -> Result<ExitCode, Failure> {
     print::out(text)?;
     if !args.quiet {
@@ -111,7 +111,7 @@ fn told(args: &SegmentArgs, text: &str, notes: &[String]) -> Result<ExitCode, Fa
     Ok(ExitCode::SUCCESS)
 }
 
-/// The folder that was asked for: the only output, which has no ending or is one already.
+/// The requested folder: the only output, if it has no ending or is an existing folder.
 fn into(outputs: &[PathBuf]) -> Option<PathBuf> {
     let [only] = outputs else { return None };
     let text = only.to_string_lossy();

@@ -1,4 +1,4 @@
-//! Arguments as the shell parted them: values and paths that were not quoted, units in an old encoding.
+//! Arguments that the shell split: values and paths without quotes; and units in an old encoding.
 
 use crate::args::Cli;
 use crate::failure::Failure;
@@ -12,7 +12,7 @@ use std::path::Path;
 /// The arguments of a command line, its units in UTF-8.
 ///
 /// # Errors
-/// A quantity or the path of a file that the shell parted at a blank.
+/// A quantity or the path of a file that the shell split at a space.
 pub(crate) fn arguments(
     given: impl IntoIterator<Item = OsString>,
 ) -> Result<Vec<OsString>, Failure> {
@@ -36,7 +36,7 @@ pub(crate) fn arguments(
     }
 }
 
-/// The command that a first word in other letters is.
+/// The command that a first word in upper case means.
 ///
 /// # Errors
 /// A file or folder without a command, an option of a command, anything else: what to write instead.
@@ -60,7 +60,7 @@ fn command_of(word: &OsStr) -> Result<Option<OsString>, Failure> {
     Err(kinds::without_command(Path::new(word)).unwrap_or_else(|| no_command(&all, word)))
 }
 
-/// What to write where an option stands without its command: the first that has it.
+/// The advice for an option without a command: the first command that has it.
 fn option_of(all: &clap::Command, name: &str) -> Option<Failure> {
     let has =
         |command: &&clap::Command| command.get_arguments().any(|own| own.get_long() == Some(name));
@@ -90,7 +90,8 @@ fn no_command(all: &clap::Command, word: &OsStr) -> Failure {
         .advise(format!("there are: {}; myospring --help says what each does", known.join(", ")))
 }
 
-/// A quantity whose bytes are Latin-1, as some terminals send `µ` and `°`; all else stays, since paths are any bytes.
+/// A quantity whose bytes are Latin-1, as some terminals send `µ` and `°`; all else is unchanged,
+/// since paths may be any bytes.
 fn of_old_encoding(argument: OsString) -> OsString {
     if argument.to_str().is_some() || Path::new(&argument).exists() {
         return argument;
@@ -101,7 +102,7 @@ fn of_old_encoding(argument: OsString) -> OsString {
     if unit.len() < value.len() && units::is_unit(unit) { text.into() } else { argument }
 }
 
-/// `--pixel-size 0.27 um`: of an option a number, then a word that is a unit and no file.
+/// `--pixel-size 0.27 um`: an option with a number, then a word that is a unit and not a file.
 fn parted_quantity(words: &[&str]) -> Option<Failure> {
     let is_number = |text: &str| text.replace(',', ".").parse::<f64>().is_ok();
     (0..words.len()).find_map(|at| {
@@ -112,7 +113,7 @@ fn parted_quantity(words: &[&str]) -> Option<Failure> {
         if !option.starts_with('-') || is_number(option) || !is_number(number) {
             return None;
         }
-        // `nN ms/um` has a blank of its own.
+        // `nN ms/um` contains a space.
         let mut endings = (1..=rest.len().min(2)).rev().map(|count| rest[..count].join(" "));
         let unit = endings.find(|unit| units::is_unit(unit))?;
         if Path::new(&unit).exists() {
@@ -123,7 +124,7 @@ fn parted_quantity(words: &[&str]) -> Option<Failure> {
     })
 }
 
-/// `my cell.tif`: words that are not all there, and are a file together.
+/// `my cell.tif`: words that are not all files, but together name a file.
 fn parted_path(words: &[&str]) -> Option<Failure> {
     let exists = |path: &str| Path::new(path).exists();
     for from in 0..words.len() {

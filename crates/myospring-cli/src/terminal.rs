@@ -1,4 +1,4 @@
-//! What an experiment shows on the terminal.
+//! The observer that shows an experiment on the terminal.
 
 use crate::{interrupt, print, progress};
 use indicatif::ProgressBar;
@@ -6,19 +6,19 @@ use myospring::experiment::Observer;
 use myospring::interruption::Interruption;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Shows progress where there is a terminal, prints what is said, and hears Ctrl-C.
+/// Shows progress on a terminal, prints notes and warnings, and handles Ctrl-C.
 pub(crate) struct Terminal {
     quiet: bool,
     bar: Mutex<ProgressBar>,
 }
 
 impl Terminal {
-    /// A quiet one shows no progress and no notes; warnings are printed nevertheless.
+    /// A quiet one shows no progress and no notes, only warnings.
     pub(crate) fn new(quiet: bool) -> Self {
         Self { quiet, bar: Mutex::new(ProgressBar::hidden()) }
     }
 
-    /// Takes the progress bar away, before the results are printed.
+    /// Removes the progress bar before the results are printed.
     pub(crate) fn clear(&self) {
         self.bar().finish_and_clear();
     }

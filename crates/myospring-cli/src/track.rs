@@ -16,9 +16,9 @@ use myospring::units::{self, Dimension};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-/// What is written unless others are asked for.
+/// The default outputs.
 pub(crate) const DEFAULT: &str = "figures,gif,frames";
-/// The word for nothing beside the curve.
+/// The word for no output in addition to the curve.
 const NONE: &str = "none";
 
 /// What `--outputs` takes.
@@ -42,7 +42,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
     experiment.refused = Some(input::refusals(&args.output, &name));
     let target = args.output.output.clone();
     let target = target.unwrap_or_else(|| Path::new("results").join(format!("{name}_track")));
-    // Before the work, so that nothing is worked on that cannot be written.
+    // Before the work, so that it is not lost if nothing can be written.
     let folder = Folder::claim(&target, args.output.force, &FILES)?;
     let terminal = Terminal::new(args.output.quiet);
     let outcome = experiment.run(&FILES, &terminal)?;
@@ -129,7 +129,7 @@ fn for_people(report: &TrackReport) -> String {
     lines.join("\n")
 }
 
-/// Without the digits that a file's ratio of whole numbers leaves.
+/// Rounded, since a file states it as a ratio of whole numbers.
 fn rounded(value: f64) -> f64 {
     (1e6 * value).round() / 1e6
 }

@@ -1,4 +1,4 @@
-//! What `analyse` tells people.
+//! The output of `analyse` for people.
 
 use crate::table::{aligned, number};
 use myospring::analysis::curve::State;
@@ -7,7 +7,7 @@ use myospring::experiment::analyse::{AnalysedCurve, Mean, conventions, means};
 /// Curves of which every metric is printed, at most.
 const WHOLE: usize = 3;
 
-/// Metrics of a row where there are many curves: of whichever of the alternatives it has.
+/// Metrics of a row in a table of many curves; of alternatives the one that the curve has.
 const COLUMNS: [(&str, &[&str]); 5] = [
     ("interval", &["interval"]),
     (

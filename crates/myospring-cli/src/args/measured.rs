@@ -157,8 +157,8 @@ pub(crate) struct FitArgs {
     pub(crate) input: Option<PathBuf>,
     /// Measured curves (.csv, .txt, .tsv, .atf, .xlsx): length, sarcomere length, shortening or
     /// another motion; several columns of one kind, files, or a folder of them are several cells;
-    /// from `track.csv` and other tables with several kinds of curves of one cell, the stretch or
-    /// else the length is used. Or a film, whose cell is tracked [default: the film that was given
+    /// from `track.csv` and other tables with several kinds of curves of one cell, the stretch is
+    /// used, or else the length. Or a film, whose cell is tracked [default: the film that was given
     /// as a picture]
     #[arg(long, value_name = "TRACE|FILM", num_args = 1.., help_heading = FIT)]
     pub(crate) to: Vec<PathBuf>,
@@ -166,12 +166,12 @@ pub(crate) struct FitArgs {
     /// ("100 nN/um=fibres.csv"); may be given several times
     #[arg(long, value_name = "STIFFNESS=TRACE", help_heading = FIT)]
     pub(crate) loaded: Vec<String>,
-    /// What is fitted in addition to delays and the length at rest: `tension_over_stiffness`,
-    /// `young_modulus` (with --loaded), or parameters of the cell model [default: what a curve
-    /// determines: `tension_over_stiffness` with `c_0` or `k_ws`]
+    /// Numbers to fit in addition to delays and the length at rest: `tension_over_stiffness`,
+    /// `young_modulus` (with --loaded), or parameters of the cell model [default: those that a
+    /// curve determines: `tension_over_stiffness` with `c_0` or `k_ws`]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = FIT)]
     pub(crate) free: Vec<String>,
-    /// Parameters of the default that are not fitted
+    /// Numbers of the default to leave fixed
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = FIT)]
     pub(crate) fix: Vec<String>,
     /// Bounds of a parameter, in its unit (`c_0=0.01:0.05`); may be given several times [default: a
@@ -188,7 +188,7 @@ pub(crate) struct FitArgs {
     pub(crate) stimuli: StimulusArgs,
     #[command(flatten)]
     pub(crate) table: TableArgs,
-    /// Where the part of the recording that counts ends ("45 s"), as --from [default: at its end]
+    /// End of the analysed part of the recording ("45 s"), like --from [default: its end]
     #[arg(long, value_name = "TIME", allow_hyphen_values = true, help_heading = TABLE)]
     pub(crate) until: Option<String>,
     #[command(flatten)]

@@ -43,7 +43,7 @@ pub(super) fn for_people(compared: &Compared) -> String {
     text
 }
 
-/// `10.2 (-1.80, -15.0 %)`; of the first run the value alone.
+/// `10.2 (-1.80, -15.0 %)`; for the first run only the value.
 fn cell(metric: &Row, index: usize) -> String {
     let Some(value) = metric.values[index] else { return "-".to_owned() };
     let value = number(value);

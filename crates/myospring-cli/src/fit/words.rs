@@ -7,7 +7,7 @@ use myospring::experiment::tension_map::FilmMap;
 use myospring::fit::Fit;
 use std::fmt::Write as _;
 
-/// What is printed.
+/// The printed text.
 pub(super) fn for_people(fits: &Fits) -> String {
     let mut text = match fits.cells.as_slice() {
         [FittedCell { found: Ok(fit), .. }] => one(fit),

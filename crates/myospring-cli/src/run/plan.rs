@@ -31,7 +31,7 @@ struct Plan<'a> {
     outputs: Vec<&'static str>,
 }
 
-/// Prints the plan of a run; its outputs are those that were chosen.
+/// Prints the plan of a run; with the chosen outputs.
 pub(super) fn plan(
     args: &RunArgs,
     outputs: &[&Output],

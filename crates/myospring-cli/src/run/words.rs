@@ -1,4 +1,4 @@
-//! A run in words: the table on the terminal, and what it took.
+//! A run in words: the table on the terminal, and the work that it took.
 
 use crate::table::{aligned, number};
 use myospring::analysis::Metric;
@@ -10,10 +10,10 @@ use myospring::simulation::Effort;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Shown where the cell becomes longer rather than shorter.
+/// Shown if the cell becomes longer instead of shorter.
 const LENGTHENING: &str = "peak_lengthening";
 
-/// Rows of the table after a run: metric and what people call it.
+/// Rows of the table after a run: metric and its name for people.
 pub(crate) const ROWS: [(&str, &str); 19] = [
     ("peak_tension", "peak tension"),
     ("time_to_peak_tension", "time to peak tension, from stimulus"),
@@ -36,7 +36,7 @@ pub(crate) const ROWS: [(&str, &str); 19] = [
     ("action_potential_duration_90", "APD90"),
 ];
 
-/// Rows of an S2 alone.
+/// Rows only of an S2.
 const OF_S2: [(&str, &str); 4] = [
     ("coupling_interval", "coupling interval of S2"),
     ("diastolic_interval", "diastolic interval before S2"),
@@ -44,7 +44,7 @@ const OF_S2: [(&str, &str); 4] = [
     ("relative_peak_shortening", "peak shortening of S2, of that of S1"),
 ];
 
-/// Which columns the table after a run has beside quantity, value, unit and what was measured.
+/// Optional columns of the table after a run.
 #[derive(Clone, Copy)]
 struct Columns {
     /// The standard deviation of several beats.
@@ -61,7 +61,8 @@ impl Columns {
     }
 }
 
-/// The table after a run; of several beats, mean and standard deviation, beside them an extra stimulus.
+/// The table after a run; for several beats mean and standard deviation, and the beat of an extra
+/// stimulus.
 pub(super) fn for_people(name: &str, run: &Run, numbers: &RunNumbers<'_>) -> String {
     let summary = numbers.summary;
     let mut text = title(name, run, summary);
@@ -80,7 +81,7 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &RunNumbers<'_>) -> Str
     let of_s2 = OF_S2.iter().filter_map(|(metric, words)| {
         let beat = s2?;
         let Metric { value, unit, .. } = beat.s2.iter().find(|row| row.name == *metric)?;
-        // A cell whose calcium is given has no action potential.
+        // A cell with prescribed calcium has no action potential.
         if value.is_none() && beat.captured.is_none() {
             return None;
         }
@@ -113,7 +114,7 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &RunNumbers<'_>) -> Str
     text
 }
 
-/// What beat, how often and how strong.
+/// The headline: model, beats and tension.
 fn title(name: &str, run: &Run, summary: &Summary) -> String {
     let title = if run.title.is_empty() { name } else { &run.title };
     let beats = summary.captured();
@@ -134,7 +135,7 @@ fn title(name: &str, run: &Run, summary: &Summary) -> String {
     format!("{title}: {beats} beat{s}{of_stimuli}{and_s2} of {}{cut}\n\n", of.join(" at "))
 }
 
-/// The row of a metric, where the first beat has it: of several beats their mean and standard deviation.
+/// The row of a metric, if the first beat has it: for several beats mean and standard deviation.
 fn of_beats(
     (metric, words): &(&str, &str),
     first: &Beat,
@@ -148,7 +149,7 @@ fn of_beats(
     }
     let over_beats = summary.beat_to_beat.iter().find(|spread| spread.name == *metric);
     let value = over_beats.map(|spread| spread.mean).or(*value);
-    // What is known is of unloaded cells.
+    // The bands are those of unloaded cells.
     let reference = band(metric).filter(|_| !loaded);
     let measured = match (value, reference) {
         (Some(value), Some(band)) => {
@@ -172,7 +173,7 @@ fn or_dash(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), number)
 }
 
-/// What the run took, in a line.
+/// The work that the run took, in a line.
 pub(super) fn in_words(effort: &Effort) -> String {
     match *effort {
         Effort::OwnStepper { time_step_ms, steps, .. } => {

@@ -3,7 +3,7 @@
 use myospring::experiment::segment::{FrameFibres, FrameReport, LatticeReport, SegmentReport};
 use myospring::microscopy::cells::PictureCells;
 
-/// Contrasts above this have no noise to be told of.
+/// Contrasts above this are printed as a bound.
 const NOISELESS: f64 = 1000.0;
 
 /// The cells of a picture.

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 /// Rows of a table, for each metric.
 const SHOWN: usize = 10;
-/// Where fewer members than this part are kept, there is advice.
+/// Part of the members below which advice is printed.
 const FEW: f64 = 0.02;
 
 fn short(key: &str) -> &str {
@@ -98,7 +98,7 @@ fn of_bands(bands: &[Rejected]) -> String {
     text
 }
 
-/// What to do where hardly any member is kept.
+/// Advice if hardly any member is kept.
 fn advice(worst: &Rejected, beat: usize) -> String {
     let name = words(&worst.metric);
     let share = 100.0 * worst.all() as f64 / beat.max(1) as f64;
