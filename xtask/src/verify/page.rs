@@ -127,7 +127,8 @@ pub(crate) fn page(sections: &[Section], machine: &str, figure: bool) -> String 
          program we did not write. *Measured* is the difference, or the number compared with what it should be. \
          *Notes* are listed below each table: a letter says what it was compared with, a number the reason of the \
          tolerance. PASS: within the tolerance. NOTED: no tolerance, because the two are not the same model; the \
-         note explains the difference. SKIPPED: a program was missing.\n\n\
+         note explains the difference. SKIPPED: a program was missing. Of four or more rows with the same tolerance \
+         only the worst is listed.\n\n\
          The sources of the checks are in `verification/`; quick forms of them run in `cargo xtask test`.\n\n",
     );
     let [pass, fail, noted, skipped] =
@@ -141,10 +142,13 @@ pub(crate) fn page(sections: &[Section], machine: &str, figure: bool) -> String 
         text.push_str("| what | measured | should be, or at most | | verdict | notes |\n");
         text.push_str("|---|---|---|---|---|---|\n");
         let (mut against, mut reasons) = (Notes::default(), Notes::default());
-        for row in rows {
+        for (row, like_it) in listed(rows) {
             let [measured, allowed] = row.numbers();
             let verdict = row.verdict.to_uppercase();
-            let [what, unit] = [&row.what, &row.unit].map(|text| cell(text));
+            let [mut what, unit] = [&row.what, &row.unit].map(|text| cell(text));
+            if like_it > 1 {
+                _ = write!(what, " (worst of {like_it} rows)");
+            }
             let place = against.place(&row.against);
             let letter = char::from(b'a' + u8::try_from(place % 26).unwrap_or_default());
             let number = reasons.place(&row.reason) + 1;
@@ -173,6 +177,30 @@ pub(crate) fn page(sections: &[Section], machine: &str, figure: bool) -> String 
     text
 }
 
+/// From this number on, rows that pass with the same tolerance are listed as one.
+const FOLDED: usize = 4;
+
+/// The rows that the page lists, each with the number of rows that it represents.
+fn listed(rows: &[Row]) -> Vec<(&Row, usize)> {
+    let key = |row: &Row| {
+        let vanishes = row.expected == Some(0.0) && row.verdict == "pass";
+        vanishes.then(|| (row.against.clone(), row.tolerance.map(f64::to_bits), row.unit.clone()))
+    };
+    let mut listed: Vec<(&Row, usize)> = Vec::new();
+    for row in rows {
+        let like_it: Vec<&Row> =
+            rows.iter().filter(|other| key(row).is_some() && key(other) == key(row)).collect();
+        let size = |row: &&Row| row.measured.unwrap_or_default().abs();
+        let worst = like_it.iter().copied().max_by(|a, b| size(a).total_cmp(&size(b)));
+        match worst.filter(|_| like_it.len() >= FOLDED) {
+            None => listed.push((row, 1)),
+            Some(worst) if std::ptr::eq(row, worst) => listed.push((row, like_it.len())),
+            Some(_) => {}
+        }
+    }
+    listed
+}
+
 /// Texts below a table, each once.
 #[derive(Default)]
 struct Notes<'a> {
@@ -197,4 +225,26 @@ impl<'a> Notes<'a> {
 /// Text that does not break a table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|").replace('\n', " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_rows_with_one_tolerance_the_worst_is_listed() {
+        let row = |measured: f64, tolerance: f64, verdict: &str| Row {
+            measured: Some(measured),
+            expected: Some(0.0),
+            tolerance: Some(tolerance),
+            ..Row::without_numbers("positions", "LAMMPS", "rounding", verdict)
+        };
+        let mut rows: Vec<Row> = [1e-12, 3e-12, 2e-12].map(|by| row(by, 1e-9, "pass")).into();
+        let shown = |rows: &[Row]| -> Vec<(Option<f64>, usize)> {
+            listed(rows).into_iter().map(|(row, like_it)| (row.measured, like_it)).collect()
+        };
+        assert_eq!(shown(&rows).len(), 3);
+        rows.extend([row(1e-12, 1e-9, "pass"), row(1e-3, 1e-2, "pass"), row(1.0, 1e-9, "fail")]);
+        assert_eq!(shown(&rows), [(Some(3e-12), 4), (Some(1e-3), 1), (Some(1.0), 1)]);
+    }
 }
