@@ -213,7 +213,7 @@ fn what_cannot_be_fitted_is_said_with_how_to_mend_it() {
     assert!(said(&["--fix", "x_3"]).contains("fitted are tension_over_stiffness, c_0"));
     assert!(said(&["--bounds", "c_0=3:1"]).contains("must be above 0, in ascending order"));
     assert!(said(&["--bounds", "c_0"]).contains("--bounds c_0=0.01:0.05"));
-    assert!(said(&["--support", "clamped-ends"]).contains("its ends are held"));
+    assert!(said(&["--support", "clamped-ends"]).contains("the ends of this cell are held"));
     assert!(said(&["--loaded", "cell.csv"]).contains("100 nN/um=fibres.csv"));
     let output = myospring(folder.path(), &["fit", "cell.csv"]);
     assert_eq!(output.status.code(), Some(2));
