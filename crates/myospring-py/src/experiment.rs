@@ -78,7 +78,7 @@ impl Observer for Watch {
     fn reached(&self, done: u64) {
         let Some(progress) = &self.progress else { return };
         let Stage { what, of, told } = held(&self.stage).clone();
-        if told == Some(done) {
+        if told == Some(done) || self.has_raised.load(Ordering::Relaxed) {
             return;
         }
         held(&self.stage).told = Some(done);

@@ -1,7 +1,6 @@
 //! One cell, ready to be fitted: the way of every fit, whether its curve comes from a table, a film or an array.
 
 use super::curves::{self, Named};
-use super::outcome::FittedCell;
 use super::words;
 use crate::experiment::{BeatOptions, ExperimentError, Observer};
 use crate::fit::{Fit, FitError, FitOptions, FitSettings, Fitter, Loaded, Observed};
@@ -22,6 +21,14 @@ pub struct FittableCell {
     beats: BeatOptions,
     /// Curves of the same cell between springs.
     loaded: Vec<Loaded>,
+}
+
+/// A cell and its fit, or why there is none.
+pub struct FittedCell {
+    /// Name of its curve.
+    pub name: String,
+    /// The fit.
+    pub found: Result<Fit, ExperimentError>,
 }
 
 impl FittableCell {

@@ -1,6 +1,7 @@
 //! The files of fits.
 
-use super::outcome::{Fits, FittedCell, Shared, Work};
+use super::cell::FittedCell;
+use super::outcome::{Fits, Shared, Work};
 use super::page;
 use super::shapes::{self, Shapes};
 use super::simulation::simulation;

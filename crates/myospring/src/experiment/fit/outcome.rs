@@ -1,11 +1,11 @@
 //! Fits and their inputs.
 
-use super::cell::FittableCell;
+use super::cell::{FittableCell, FittedCell};
 use super::curves::Named;
 use super::film::FollowedFilm;
 use super::shapes::Shapes;
 use crate::experiment::tension_map::FilmMap;
-use crate::experiment::{ExperimentError, Files, Inputs};
+use crate::experiment::{Files, Inputs};
 use crate::mesh::outline::Outline;
 use crate::mesh::quality::MeshReport;
 use crate::settings::Run;
@@ -21,14 +21,6 @@ pub(super) struct Work {
     pub(super) own: bool,
     pub(super) threads: Option<usize>,
     pub(super) files: Files,
-}
-
-/// A cell and its fit, or why there is none.
-pub struct FittedCell {
-    /// Name of its curve.
-    pub name: String,
-    /// The fit.
-    pub found: Result<crate::fit::Fit, ExperimentError>,
 }
 
 /// The result of fits.

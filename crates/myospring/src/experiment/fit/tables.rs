@@ -1,6 +1,6 @@
 //! Fits as tables, and as figures have them.
 
-use super::outcome::FittedCell;
+use super::cell::FittedCell;
 use crate::fit::{self, Estimate, Fit, FitVerdict};
 use crate::output::figure::{DrawnFit, LikelihoodProfile};
 use crate::output::table::{Column, Table, column_name};
