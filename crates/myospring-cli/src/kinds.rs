@@ -4,6 +4,7 @@
 use crate::failure::Failure;
 use crate::files::FILES;
 use crate::input::ending;
+use myospring::experiment::tables::TABLES;
 use myospring::measured::{self, TableOptions};
 use myospring::mesh::outline::Outline;
 use myospring::mesh::pixel_size::PixelSize;
@@ -41,8 +42,6 @@ pub(crate) enum Kind {
 
 const FILMS: [&str; 12] =
     ["avi", "y4m", "mp4", "m4v", "mov", "mkv", "webm", "wmv", "mpg", "mpeg", "flv", "ogv"];
-
-const TABLES: [&str; 5] = ["csv", "txt", "tsv", "dat", "xlsx"];
 
 /// Least number of rows at which a table without names of columns is a curve, not a list of
 /// corners.
@@ -87,7 +86,7 @@ impl Kind {
                 let holds = |letters: &[u8]| bytes.windows(letters.len()).any(|it| it == letters);
                 let strange = match kind {
                     "zip" => !holds(b".roi"),
-                    "xlsx" | "json" => false,
+                    "xlsx" | "xlsm" | "json" => false,
                     _ => !bytes.iter().any(u8::is_ascii_digit),
                 };
                 strange.then_some(Self::Strange)

@@ -20,6 +20,7 @@ pub mod rhythm;
 pub mod rows;
 pub mod s2;
 pub mod shape;
+pub mod summary;
 pub mod tension;
 #[cfg(test)]
 mod tests;

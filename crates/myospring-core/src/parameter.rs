@@ -22,6 +22,22 @@ pub struct Parameter {
     pub source: Cow<'static, str>,
 }
 
+impl Parameter {
+    /// A parameter with its value in `unit`, smallest and largest value, meaning and source.
+    pub fn new(
+        name: impl Into<Cow<'static, str>>,
+        value: f64,
+        unit: impl Into<Cow<'static, str>>,
+        [minimum, maximum]: [f64; 2],
+        meaning: impl Into<Cow<'static, str>>,
+        source: impl Into<Cow<'static, str>>,
+    ) -> Self {
+        let (name, unit, meaning, source) =
+            (name.into(), unit.into(), meaning.into(), source.into());
+        Self { name, value, unit, minimum, maximum, meaning, source }
+    }
+}
+
 /// Why a parameter or a set is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ParameterError {
@@ -83,14 +99,8 @@ impl ParameterSet {
     /// # Example
     /// ```
     /// use myospring::parameter::{Parameter, ParameterSet};
-    /// let row = |name: &str| Parameter {
-    ///     name: name.to_owned().into(),
-    ///     value: 0.09,
-    ///     unit: "mS/uF".into(),
-    ///     minimum: 0.0,
-    ///     maximum: 1.0,
-    ///     meaning: "conductance".into(),
-    ///     source: "a file".into(),
+    /// let row = |name: &str| {
+    ///     Parameter::new(name.to_owned(), 0.09, "mS/uF", [0.0, 1.0], "conductance", "a file")
     /// };
     /// assert!(ParameterSet::try_new(vec![row("g_s"), row("g_Na")]).is_ok());
     /// let error = ParameterSet::try_new(vec![row("g_s"), row("g_s")]).unwrap_err();

@@ -56,12 +56,7 @@ const COLUMNS: [Column; 14] = [
 /// # Example
 /// ```
 /// # use myospring::recording::{Recording, Sample};
-/// # let sample = Sample {
-/// #     t_ms: 0.5, u: Some(0.25), vm_mv: None, ta_kpa: 0.0, length_um: 140.0, width_um: 21.0,
-/// #     area_um2: 2940.0, shortening_pct: 0.0, elastic_energy_fj: 0.0, kinetic_energy_fj: 0.0,
-/// #     active_work_fj: 0.0, dissipated_energy_fj: 0.0, momentum_nn_ms: 0.0,
-/// #     angular_momentum_nn_um_ms: 0.0,
-/// # };
+/// # let sample = Sample { t_ms: 0.5, u: Some(0.25), length_um: 140.0, ..Sample::STILL };
 /// let recording = Recording { samples: vec![sample], ..Recording::default() };
 /// let table = myospring::output::csv::traces(&recording)?;
 /// assert!(table.starts_with("t_ms,u,ta_kPa,length_um"));

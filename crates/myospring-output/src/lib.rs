@@ -15,13 +15,10 @@
 //! | [`json`] | any serialisable value for machines |
 //! | [`figure`] | the figures of a paper, as SVG and PNG |
 //! | [`page`] | `report.html`: a page with the beating cell, curves and numbers of one or several runs |
-//! | [`report`] | the numbers of a run with units, definitions and reference bands |
-//! | [`comparison`] | the paper's numbers compared with ours |
 //! | [`table`] | one row per run, as CSV and Parquet |
 //! | [`track`] | `track.csv`, a tracked cell, one row per frame |
 //! | [`files`] | atomic writing of files and folders |
 
-pub mod comparison;
 pub mod csv;
 pub mod digits;
 pub mod fibres;
@@ -33,7 +30,6 @@ pub mod json;
 pub mod npy;
 pub mod npz;
 pub mod page;
-pub mod report;
 pub mod table;
 pub mod track;
 pub mod vtu;

@@ -13,7 +13,6 @@ use myospring::integrate::engine::EngineUsed;
 use myospring::interruption::Interruption;
 use myospring::output::field::Fields;
 use myospring::output::figure::{self, FigureError};
-use myospring::output::report::about_model;
 use myospring::recording::{Frame, Recording, Sample, Signal};
 use myospring::run_file::RunFile;
 use myospring::settings::{MeshedRun, Run};
@@ -234,7 +233,7 @@ impl Beat {
     /// What is known of the cell model and seen in this beat, in a sentence.
     #[getter]
     fn about_model(&self) -> Option<String> {
-        let about = about_model(&self.beaten.made.simulation.pace(&self.beats))?;
+        let about = self.beaten.made.simulation.pace(&self.beats).about_model()?;
         Some(words::in_python(&about))
     }
 

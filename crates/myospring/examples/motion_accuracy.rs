@@ -16,7 +16,7 @@ use myospring::microscopy::film::Film;
 use myospring::microscopy::motion::{self, CellAtRest, CellMotion, Rest, TrackingSettings};
 use myospring::microscopy::picture::Selection;
 use std::time::Instant;
-use synthetic_film::{FilmScene, SARCOMERE_UM};
+use synthetic_film::{FilmScene, SARCOMERE_UM, quantile};
 
 fn follow(scene: &FilmScene, film: &Film, spacing: Option<f64>) -> CellMotion {
     let mask = scene.mask();
@@ -29,42 +29,9 @@ fn follow(scene: &FilmScene, film: &Film, spacing: Option<f64>) -> CellMotion {
         .unwrap()
 }
 
-/// Errors of all points in all frames, pixels, the least first.
-fn errors(scene: &FilmScene, motion: &CellMotion) -> Vec<f64> {
-    let mut errors = Vec::new();
-    for frame in 0..motion.len() {
-        for node in 0..motion.mesh.len() {
-            let wanted = scene.displacement(motion.mesh.point(node), frame);
-            let off = [0, 1].map(|axis: usize| {
-                let found = motion.displacements_um[frame][axis][node];
-                found + motion.stage_um[frame][axis] - wanted[axis]
-            });
-            errors.push(off[0].hypot(off[1]) / scene.pixel_um);
-        }
-    }
-    errors.sort_by(f64::total_cmp);
-    errors
-}
-
-/// Largest difference of measured and true shortening, percentage points.
-fn shortening(scene: &FilmScene, motion: &CellMotion) -> f64 {
-    let lengths = motion.lengths_um();
-    let moved = |frame: usize| {
-        let ways =
-            (0..motion.mesh.len()).map(|node| scene.displacement(motion.mesh.point(node), frame));
-        let ways: Vec<[f64; 2]> = ways.collect();
-        [0, 1].map(|axis: usize| ways.iter().map(|way| way[axis]).collect::<Vec<f64>>())
-    };
-    let displacements_um = motion.frames.iter().map(|&frame| moved(frame)).collect();
-    let truth = CellMotion { displacements_um, ..motion.clone() }.lengths_um();
-    let off = |frame: usize| 100.0 * (lengths[frame] / lengths[0] - truth[frame] / truth[0]).abs();
-    (0..motion.len()).map(off).fold(0.0, f64::max)
-}
-
 fn row(scene: &FilmScene) {
     let motion = follow(scene, &scene.film(), Some(2.0));
-    let errors = errors(scene, &motion);
-    let at = |part: f64| errors[((errors.len() - 1) as f64 * part) as usize];
+    let errors = scene.errors(&motion);
     let wrong = 0.5 * SARCOMERE_UM / scene.pixel_um;
     let wrong = errors.iter().filter(|error| **error > wrong).count() as f64 / errors.len() as f64;
     let interpolated: f64 = (0..motion.len()).map(|frame| motion.interpolated_share(frame)).sum();
@@ -75,11 +42,11 @@ fn row(scene: &FilmScene) {
         100.0 * scene.shortening,
         scene.cell_um[0],
         scene.beat,
-        at(0.5),
-        at(0.95),
+        quantile(&errors, 0.5),
+        quantile(&errors, 0.95),
         100.0 * wrong,
         100.0 * interpolated / motion.len() as f64,
-        shortening(scene, &motion)
+        scene.shortening_error(&motion)
     );
 }
 

@@ -37,16 +37,9 @@ impl AlievPanfilov {
     }
 
     fn published() -> ParameterSet {
-        let row =
-            |name: &'static str, value, unit: &'static str, meaning: &'static str| Parameter {
-                name: name.into(),
-                value,
-                unit: unit.into(),
-                minimum: 0.0,
-                maximum: 1000.0,
-                meaning: meaning.into(),
-                source: "made up for the tutorial".into(),
-            };
+        let row = |name, value, unit, meaning| {
+            Parameter::new(name, value, unit, [0.0, 1000.0], meaning, "made up for the tutorial")
+        };
         ParameterSet::new(vec![
             row("r", 0.01, "1/ms", "rate of the tension"),
             row("T_max", 60.0, "kPa", "tension that a lasting action potential reaches"),
@@ -62,9 +55,6 @@ impl CellModel for AlievPanfilov {
     }
     fn description(&self) -> &'static str {
         "Two variables of Aliev and Panfilov with a tension"
-    }
-    fn citations(&self) -> Vec<&str> {
-        Vec::new()
     }
     fn parameters(&self) -> &ParameterSet {
         &self.parameters

@@ -29,6 +29,7 @@ pub mod study;
 pub mod tables;
 pub mod tension_map;
 pub mod track;
+mod watched;
 
 pub use beats::BeatOptions;
 pub use error::{ExperimentError, Passage};

@@ -47,8 +47,9 @@
 //! of results; [`references`] has the papers that all of these cite.
 //!
 //! # Features
-//! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML), `study` (many runs) and `experiment` (folders of results) are on by
-//! default; `testing` has conformance suites for cell models and forces of your own.
+//! `microscopy` (pictures), `output` (files and figures), `run-file` (TOML), `study` (many runs), `fit` (a cell's own
+//! parameters, and where it pulls) and `experiment` (folders of results) are on by default; `testing` has conformance
+//! suites for cell models and forces of your own.
 
 #[doc(inline)]
 pub use myospring_core::{
@@ -72,7 +73,7 @@ pub use myospring_output as output;
 pub mod compare;
 #[cfg(feature = "experiment")]
 pub mod experiment;
-#[cfg(feature = "study")]
+#[cfg(feature = "fit")]
 pub mod fit;
 #[cfg(feature = "run-file")]
 pub mod measured;
@@ -82,5 +83,5 @@ pub mod run_file;
 pub mod settings;
 #[cfg(feature = "study")]
 pub mod study;
-#[cfg(feature = "study")]
+#[cfg(feature = "fit")]
 pub mod tension_map;

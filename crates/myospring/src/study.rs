@@ -83,6 +83,6 @@ pub use crate::output::files::sha256;
 pub use error::{Cause, StudyError};
 pub use journal::Journal;
 pub use member::{Member, Row, Status};
-pub use observer::{StudyObserver, TABLE_EVERY, changed, damaged};
+pub use observer::{StudyObserver, TABLE_EVERY};
 pub use runner::{StudyReport, run, run_together};
 pub use threads::Threads;

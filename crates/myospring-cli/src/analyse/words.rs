@@ -2,52 +2,10 @@
 
 use crate::table::{aligned, number};
 use myospring::analysis::curve::State;
-use myospring::experiment::analyse::{AnalysedCurve, Mean, conventions, means};
+use myospring::experiment::analyse::{AnalysedCurve, KEY, Mean, conventions, means};
 
 /// Curves of which every metric is printed, at most.
 const WHOLE: usize = 3;
-
-/// Metrics of a row in a table of many curves; of alternatives the one that the curve has.
-const COLUMNS: [(&str, &[&str]); 5] = [
-    ("interval", &["interval"]),
-    (
-        "amplitude",
-        &[
-            "peak_shortening",
-            "peak_amplitude",
-            "developed_tension",
-            "transient_amplitude",
-            "action_potential_amplitude",
-        ],
-    ),
-    (
-        "time to peak",
-        &[
-            "time_to_peak_from_stimulus",
-            "time_to_peak_tension",
-            "time_to_peak_from_onset",
-            "time_to_peak_tension_from_onset",
-        ],
-    ),
-    (
-        "half back",
-        &[
-            "relaxation_time_50",
-            "tension_relaxation_time_50",
-            "decay_time_50",
-            "action_potential_duration_50",
-        ],
-    ),
-    (
-        "90 % back",
-        &[
-            "relaxation_time_90",
-            "tension_relaxation_time_90",
-            "decay_time_90",
-            "action_potential_duration_90",
-        ],
-    ),
-];
 
 /// The tables on the terminal.
 pub(crate) fn tables(all: &[AnalysedCurve]) -> String {
@@ -109,7 +67,8 @@ fn one(read: &AnalysedCurve) -> String {
 /// A row for each curve.
 fn rows(all: &[AnalysedCurve]) -> String {
     let mut lines = vec![vec!["curve".to_owned(), "beats".to_owned()]];
-    lines[0].extend(COLUMNS.iter().map(|(title, _)| (*title).to_owned()));
+    let columns = || KEY.iter().filter(|(title, _)| *title != "at rest");
+    lines[0].extend(columns().map(|(title, _)| (*title).to_owned()));
     for read in all {
         let mut line = vec![read.title()];
         match &read.found {
@@ -117,9 +76,8 @@ fn rows(all: &[AnalysedCurve]) -> String {
             Ok(analysis) => {
                 let means = means(analysis);
                 line.push(analysis.beats.len().to_string());
-                line.extend(COLUMNS.iter().map(|(_, names)| {
-                    let has = |mean: &&Mean| names.contains(&mean.name) && mean.mean.is_some();
-                    means.iter().find(has).and_then(Mean::in_words).unwrap_or_default()
+                line.extend(columns().map(|(_, names)| {
+                    Mean::first(&means, names).and_then(Mean::in_words).unwrap_or_default()
                 }));
             }
         }

@@ -3,8 +3,8 @@
 use crate::table::{aligned, number};
 use myospring::analysis::Metric;
 use myospring::analysis::beat::{Beat, band};
+use myospring::analysis::summary::Summary;
 use myospring::experiment::run::{RunNumbers, WrittenOutputs};
-use myospring::output::report::Summary;
 use myospring::settings::Run;
 use myospring::simulation::Effort;
 use std::fmt::Write as _;

@@ -414,19 +414,3 @@ fn models_init_schema_and_cite_print_what_they_say() {
     assert!(stdout(&myospring(folder.path(), &cite)).contains("{bueno_orovio_2008,"));
     assert_eq!(myospring(folder.path(), &["run", "none.toml", "--cite"]).status.code(), Some(2));
 }
-
-#[test]
-fn a_reader_that_goes_away_is_no_error() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_myospring"))
-        .args(["models", "coelho_2021"])
-        .current_dir(folder.path())
-        .stdout(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    drop(child.stdout.take());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(0));
-    assert_eq!(stderr(&output), "");
-}

@@ -638,18 +638,15 @@ mod tests {
             Sample {
                 t_ms: t,
                 u: Some(bell(t)),
-                vm_mv: None,
                 ta_kpa: 50.0 * bell(t),
                 length_um: 100.0 * ratio,
                 width_um: 20.0 * ratio.powf(-0.5),
                 area_um2: 2000.0 * ratio.sqrt(),
                 shortening_pct: 100.0 * (1.0 - ratio),
                 elastic_energy_fj: 1000.0 * bell(t),
-                kinetic_energy_fj: 0.0,
                 active_work_fj: 1000.0 * bell(t) + 0.1 * t,
                 dissipated_energy_fj: 0.1 * t,
-                momentum_nn_ms: 0.0,
-                angular_momentum_nn_um_ms: 0.0,
+                ..Sample::STILL
             }
         };
         (0..2000).map(|i| sample(0.5 * f64::from(i))).collect()

@@ -4,7 +4,7 @@
 //! crossing of 10 % of the peak (`MUSCLEMOTION`); both are given, with different names.
 
 use super::pulse::{Pulse, Top};
-use super::rows::{Context, ONSET, between, per_second, recorded, row, times_ms};
+use super::rows::{Context, between, peak_times, per_second, recorded, row, times_ms};
 use super::{Metric, Missing};
 use super::{rest, trace};
 
@@ -145,29 +145,14 @@ pub fn of_length(
 /// Times of a contraction.
 fn timing(pulse: &Pulse, context: &Context) -> Vec<Metric> {
     let peak = pulse.peak().map(|peak| peak.time);
-    let mut rows = vec![row(
-        "time_of_peak",
+    let on_clock = "time of the largest shortening on the clock of the run or recording";
+    let from_stimulus = "from the stimulus to the largest shortening (IonOptix)";
+    let mut rows = peak_times(
         peak,
-        "ms",
-        "time of the largest shortening on the clock of the run or recording",
-    )];
-    if let Some(stimulus) = context.stimulus {
-        rows.push(row(
-            "time_to_peak_from_stimulus",
-            between(peak, Ok(stimulus)),
-            "ms",
-            "from the stimulus to the largest shortening (IonOptix)",
-        ));
-    }
-    if let Some(onset) = context.onset {
-        rows.push(row("time_of_onset", Ok(onset), "ms", ONSET));
-        rows.push(row(
-            "time_to_peak_from_onset",
-            between(peak, Ok(onset)),
-            "ms",
-            "from the onset, where the line through 10 % and 50 % of the rise meets the baseline, to the peak",
-        ));
-    }
+        context,
+        [["time_of_peak", on_clock], ["time_to_peak_from_stimulus", from_stimulus]],
+        "time_to_peak_from_onset",
+    );
     rows.extend([
         row(
             "time_to_peak_from_10_percent",

@@ -447,17 +447,9 @@ fn artefact_remarks(artefacts: &[Artefact], beats: &[CurveBeat]) -> Vec<String> 
         ));
     }
     if !short.is_empty() {
-        let times: Vec<String> = short
-            .iter()
-            .take(rhythm::LISTED)
-            .map(|artefact| format!("{:.0} to {:.0} ms", artefact.from_ms, artefact.to_ms))
-            .collect();
-        let more = match short.len().saturating_sub(rhythm::LISTED) {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
         let (what, are) = if short.len() == 1 { ("artefact", "is") } else { ("artefacts", "are") };
-        remarks.push(format!("{} {what} {are} left out: {}{more}", short.len(), times.join(", ")));
+        let times = listed(short.iter().map(|artefact| [artefact.from_ms, artefact.to_ms]));
+        remarks.push(format!("{} {what} {are} left out: {times}", short.len()));
     }
     let touched = beats.iter().filter(|beat| beat.state == State::Disturbed).count();
     if touched > 0 {
@@ -472,20 +464,21 @@ fn artefact_remarks(artefacts: &[Artefact], beats: &[CurveBeat]) -> Vec<String> 
 
 /// Remark on missing frames.
 fn hole_remark(holes: &[Hole]) -> Option<String> {
-    let times: Vec<String> = holes
-        .iter()
-        .take(rhythm::LISTED)
-        .map(|hole| format!("{:.0} to {:.0} ms", hole.from_ms, hole.to_ms))
-        .collect();
-    let more = match holes.len().saturating_sub(rhythm::LISTED) {
+    let usual = holes.first()?.usual_ms;
+    let times = listed(holes.iter().map(|hole| [hole.from_ms, hole.to_ms]));
+    Some(format!(
+        "frames are missing from {times}, where one should come every {usual:.4} ms: no metric is read across such a gap"
+    ))
+}
+
+/// The first of some intervals, ms, in words, and how many there are more.
+fn listed(intervals: impl ExactSizeIterator<Item = [f64; 2]>) -> String {
+    let more = match intervals.len().saturating_sub(rhythm::LISTED) {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
-    let usual = holes.first()?.usual_ms;
-    Some(format!(
-        "frames are missing from {}{more}, where one should come every {usual:.4} ms: no metric is read across such a gap",
-        times.join(", ")
-    ))
+    let words = intervals.take(rhythm::LISTED).map(|[from, to]| format!("{from:.0} to {to:.0} ms"));
+    words.collect::<Vec<_>>().join(", ") + &more
 }
 
 /// The time over which the slopes of upstrokes were read, in words.

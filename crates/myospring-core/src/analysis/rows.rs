@@ -14,7 +14,7 @@ pub struct Context {
 }
 
 /// Definition of the onset.
-pub const ONSET: &str = "where the line through 10 % and 50 % of the rise meets the baseline";
+const ONSET: &str = "where the line through 10 % and 50 % of the rise meets the baseline";
 
 /// One metric.
 pub(super) fn row(
@@ -24,6 +24,30 @@ pub(super) fn row(
     definition: &'static str,
 ) -> Metric {
     Metric::new(name, reading, unit, definition)
+}
+
+/// When the peak of a curve comes: on the clock, from the stimulus and from the onset, as far as these are known; name
+/// and definition of the first two, and the name of the third.
+pub(super) fn peak_times(
+    time: Reading,
+    context: &Context,
+    [on_clock, from_stimulus]: [[&'static str; 2]; 2],
+    from_onset: &'static str,
+) -> Vec<Metric> {
+    let mut rows = vec![row(on_clock[0], time, "ms", on_clock[1])];
+    if let Some(stimulus) = context.stimulus {
+        rows.push(row(from_stimulus[0], between(time, Ok(stimulus)), "ms", from_stimulus[1]));
+    }
+    if let Some(onset) = context.onset {
+        rows.push(row("time_of_onset", Ok(onset), "ms", ONSET));
+        rows.push(row(
+            from_onset,
+            between(time, Ok(onset)),
+            "ms",
+            "from the onset, where the line through 10 % and 50 % of the rise meets the baseline, to the peak",
+        ));
+    }
+    rows
 }
 
 /// The time from one moment to another, which must not be earlier.

@@ -198,19 +198,13 @@ mod tests {
             let tension = sum(&one, twitch);
             Sample {
                 t_ms,
-                u: None,
                 vm_mv: Some(sum(&|since| potential(since, 200.0), s2) - 80.0),
                 ta_kpa: 20.0 * tension,
                 length_um: 100.0 * (1.0 - 0.1 * tension),
                 width_um: 20.0,
                 area_um2: 2000.0,
                 shortening_pct: 10.0 * tension,
-                elastic_energy_fj: 0.0,
-                kinetic_energy_fj: 0.0,
-                active_work_fj: 0.0,
-                dissipated_energy_fj: 0.0,
-                momentum_nn_ms: 0.0,
-                angular_momentum_nn_um_ms: 0.0,
+                ..Sample::STILL
             }
         };
         (Recording { samples: (0..4000).map(sample).collect(), ..Recording::default() }, stimuli)

@@ -2,7 +2,7 @@
 
 use super::Metric;
 use super::pulse::Pulse;
-use super::rows::{Context, ONSET, between, per_second, row, times_ms};
+use super::rows::{Context, between, peak_times, per_second, row, times_ms};
 
 /// Metrics of a force or tension, from the pulse of its height above rest.
 pub fn of_pulse(pulse: &Pulse, rest: f64, unit: &'static str, context: &Context) -> Vec<Metric> {
@@ -18,30 +18,17 @@ pub fn of_pulse(pulse: &Pulse, rest: f64, unit: &'static str, context: &Context)
             unit,
             "largest tension above that at rest",
         ),
-        row(
-            "time_of_peak_tension",
-            time,
-            "ms",
-            "time of the largest tension on the clock of the run or recording",
-        ),
     ];
-    if let Some(stimulus) = context.stimulus {
-        rows.push(row(
-            "time_to_peak_tension",
-            between(time, Ok(stimulus)),
-            "ms",
-            "from the stimulus to the largest tension",
-        ));
-    }
-    if let Some(onset) = context.onset {
-        rows.push(row("time_of_onset", Ok(onset), "ms", ONSET));
-        rows.push(row(
-            "time_to_peak_tension_from_onset",
-            between(time, Ok(onset)),
-            "ms",
-            "from the onset, where the line through 10 % and 50 % of the rise meets the baseline, to the peak",
-        ));
-    }
+    let on_clock = "time of the largest tension on the clock of the run or recording";
+    rows.extend(peak_times(
+        time,
+        context,
+        [
+            ["time_of_peak_tension", on_clock],
+            ["time_to_peak_tension", "from the stimulus to the largest tension"],
+        ],
+        "time_to_peak_tension_from_onset",
+    ));
     rows.extend([
         row(
             "tension_rise_time_10_90",

@@ -3,7 +3,7 @@
 use super::Metric;
 use super::kind::Kind;
 use super::pulse::Pulse;
-use super::rows::{Context, ONSET, between, per_second, row, times_ms};
+use super::rows::{Context, between, peak_times, per_second, row, times_ms};
 
 /// Metrics of a transient, from the pulse of its height above its baseline; the baseline may drift
 /// from the diastolic level at the beginning to another one under the peak.
@@ -35,29 +35,15 @@ pub fn of_pulse(
             "(F - F0) / F0 at the peak, F0 the baseline there; meaningful only if the background was subtracted",
         ));
     }
-    rows.push(row(
-        "time_of_peak",
+    rows.extend(peak_times(
         time,
-        "ms",
-        "time of the largest value on the clock of the recording",
+        context,
+        [
+            ["time_of_peak", "time of the largest value on the clock of the recording"],
+            ["time_to_peak_from_stimulus", "from the stimulus to the peak (IonOptix)"],
+        ],
+        "time_to_peak_from_onset",
     ));
-    if let Some(stimulus) = context.stimulus {
-        rows.push(row(
-            "time_to_peak_from_stimulus",
-            between(time, Ok(stimulus)),
-            "ms",
-            "from the stimulus to the peak (IonOptix)",
-        ));
-    }
-    if let Some(onset) = context.onset {
-        rows.push(row("time_of_onset", Ok(onset), "ms", ONSET));
-        rows.push(row(
-            "time_to_peak_from_onset",
-            between(time, Ok(onset)),
-            "ms",
-            "from the onset, where the line through 10 % and 50 % of the rise meets the baseline, to the peak",
-        ));
-    }
     rows.extend([
         row(
             "rise_time_10_90",

@@ -58,27 +58,21 @@ pub struct TwoExponential {
     highest: f64,
 }
 
-/// Name, value, unit, smallest, largest, meaning.
-type Row = (&'static str, f64, &'static str, f64, f64, &'static str);
+/// Name, value, unit, smallest and largest, meaning.
+type Row = (&'static str, f64, &'static str, [f64; 2], &'static str);
 
 const ROWS: [Row; 4] = [
-    ("Ca_rest", 0.0632, "uM", 0.0, 10.0, "calcium at rest"),
-    ("Ca_amplitude", 0.4391, "uM", 0.0, 100.0, "highest calcium above rest"),
-    ("tau_Ca_rise", 23.8, "ms", 0.01, 1e4, "time constant of calcium's rise"),
-    ("tau_Ca_fall", 145.5, "ms", 0.01, 1e4, "time constant of calcium's fall"),
+    ("Ca_rest", 0.0632, "uM", [0.0, 10.0], "calcium at rest"),
+    ("Ca_amplitude", 0.4391, "uM", [0.0, 100.0], "highest calcium above rest"),
+    ("tau_Ca_rise", 23.8, "ms", [0.01, 1e4], "time constant of calcium's rise"),
+    ("tau_Ca_fall", 145.5, "ms", [0.01, 1e4], "time constant of calcium's fall"),
 ];
 
 /// Its parameters, fitted to the transient of ToR-ORd with Land's myofilaments (root mean square 0.015 uM).
 pub fn rows() -> Vec<Parameter> {
-    let row = |&(name, value, unit, minimum, maximum, meaning): &Row| Parameter {
-        name: name.into(),
-        value,
-        unit: unit.into(),
-        minimum,
-        maximum,
-        meaning: meaning.into(),
-        source: "our fit to the transient of ToR-ORd-Land (tomek_2019, margara_2021), endo, 1 Hz"
-            .into(),
+    let source = "our fit to the transient of ToR-ORd-Land (tomek_2019, margara_2021), endo, 1 Hz";
+    let row = |&(name, value, unit, range, meaning): &Row| {
+        Parameter::new(name, value, unit, range, meaning, source)
     };
     ROWS.iter().map(row).collect()
 }

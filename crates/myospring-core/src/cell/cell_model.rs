@@ -28,8 +28,6 @@ pub trait CellModel: Any + Send + Sync {
     fn name(&self) -> &str;
     /// Description in one line.
     fn description(&self) -> &str;
-    /// Keys in `references.bib` of the papers to cite.
-    fn citations(&self) -> Vec<&str>;
     /// The parameters with unit, range and source.
     fn parameters(&self) -> &ParameterSet;
     /// The same model with other parameter values.
@@ -53,6 +51,10 @@ pub trait CellModel: Any + Send + Sync {
     /// Whether tension is relative or in kPa.
     fn tension_kind(&self) -> TensionKind;
 
+    /// Keys in `references.bib` of the papers to cite; none by default.
+    fn citations(&self) -> Vec<&str> {
+        Vec::new()
+    }
     /// Further outputs in addition to the state; none by default.
     fn outputs(&self) -> &[Output] {
         &[]

@@ -17,16 +17,16 @@ use crate::parameter::{Parameter, ParameterSet};
 use std::f64::consts::PI;
 
 /// Name, unit, smallest, largest, meaning of each tension parameter.
-type Row = (&'static str, &'static str, f64, f64, &'static str);
+type Row = (&'static str, &'static str, [f64; 2], &'static str);
 
 const ROWS: [Row; 7] = [
-    ("c_0", "1/ms", 1e-6, 10.0, "rate of both tension variables"),
-    ("x_1", "1/ms", 0.0, 10.0, "rate of Ta while V > x_2 and Ta_i < x_3"),
-    ("x_2", "", -10.0, 10.0, "normalised potential above which the onset of Ta is delayed"),
-    ("x_3", "", 0.0, 100.0, "Ta_i below which the onset of Ta is delayed"),
-    ("sigma", "", 1e-3, 10.0, "width of the bell k(V)"),
-    ("u_rest", "", -10.0, 10.0, "potential u at which V = 0"),
-    ("u_peak", "", -10.0, 10.0, "potential u at which V = 1"),
+    ("c_0", "1/ms", [1e-6, 10.0], "rate of both tension variables"),
+    ("x_1", "1/ms", [0.0, 10.0], "rate of Ta while V > x_2 and Ta_i < x_3"),
+    ("x_2", "", [-10.0, 10.0], "normalised potential above which the onset of Ta is delayed"),
+    ("x_3", "", [0.0, 100.0], "Ta_i below which the onset of Ta is delayed"),
+    ("sigma", "", [1e-3, 10.0], "width of the bell k(V)"),
+    ("u_rest", "", [-10.0, 10.0], "potential u at which V = 0"),
+    ("u_peak", "", [-10.0, 10.0], "potential u at which V = 1"),
 ];
 
 /// Rows for a model that drives the published tension equations.
@@ -45,14 +45,8 @@ pub(super) fn rows(u_rest: f64, u_peak: f64, source: &'static str) -> Vec<Parame
     ];
     ROWS.iter()
         .zip(values)
-        .map(|(&(name, unit, minimum, maximum, meaning), (value, source))| Parameter {
-            name: name.into(),
-            value,
-            unit: unit.into(),
-            minimum,
-            maximum,
-            meaning: meaning.into(),
-            source: source.into(),
+        .map(|(&(name, unit, range, meaning), (value, source))| {
+            Parameter::new(name, value, unit, range, meaning, source)
         })
         .collect()
 }

@@ -53,15 +53,9 @@ pub struct ToyModel {
 
 /// Its parameters: the time constant, 50 ms.
 pub fn parameters() -> ParameterSet {
-    ParameterSet::new(vec![Parameter {
-        name: "tau".into(),
-        value: 50.0,
-        unit: "ms".into(),
-        minimum: 1e-3,
-        maximum: 1e6,
-        meaning: "time constant, and time to peak".into(),
-        source: "chosen for tests".into(),
-    }])
+    let meaning = "time constant, and time to peak";
+    let tau = Parameter::new("tau", 50.0, "ms", [1e-3, 1e6], meaning, "chosen for tests");
+    ParameterSet::new(vec![tau])
 }
 
 impl ToyModel {
@@ -93,10 +87,6 @@ impl CellModel for ToyModel {
 
     fn description(&self) -> &'static str {
         "Two linear equations with a known tension, for tests; not a heart cell"
-    }
-
-    fn citations(&self) -> Vec<&str> {
-        Vec::new()
     }
 
     fn parameters(&self) -> &ParameterSet {

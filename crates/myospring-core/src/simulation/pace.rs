@@ -63,6 +63,16 @@ impl Pace {
             }
         }
     }
+
+    /// The known property of the cell model that the beats show, in a sentence.
+    pub fn about_model(&self) -> Option<String> {
+        match self {
+            Self::AsItsModel(KnownDeparture { fact, instead, .. }) => {
+                Some(format!("{fact}; `--model {instead}` does not."))
+            }
+            Self::AsMeasured | Self::Unexplained { .. } => None,
+        }
+    }
 }
 
 impl Simulation {

@@ -158,6 +158,31 @@ pub(super) struct Curve {
     pub(super) dash: Option<[f64; 2]>,
 }
 
+impl Curve {
+    pub(super) fn solid(points: Vec<[f64; 2]>, colour: Colour) -> Self {
+        Self { points, colour, dash: None }
+    }
+}
+
+/// Smallest and largest finite value; the infinities if there is none.
+pub(super) fn ends(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    })
+}
+
+/// Puts charts between two edges of the sheet, px, with the labels of all right of the left one; returns the distance
+/// of these labels from the plots.
+pub(super) fn align(charts: &mut [Chart], left: f64, right: f64) -> f64 {
+    let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
+    for chart in charts {
+        chart.place[0] = left + offset;
+        chart.size[0] = right - chart.place[0];
+    }
+    offset
+}
+
 /// A chart: `place` is the upper left corner of the plot, `size` its width and height, px.
 #[derive(Debug, Clone)]
 pub(super) struct Chart {
@@ -173,6 +198,12 @@ pub(super) struct Chart {
 }
 
 impl Chart {
+    /// A chart without bands and marks, from `top` down, `height` px high; place and width across are set later.
+    pub(super) fn new(top: f64, height: f64, [x, y]: [Axis; 2], curves: Vec<Curve>) -> Self {
+        let (place, size) = ([0.0, top], [0.0, height]);
+        Self { place, size, x, y, curves, bands: Vec::new(), marks: Vec::new() }
+    }
+
     /// Position of a value on the sheet, px.
     pub(super) fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [

@@ -1,6 +1,6 @@
 //! Several runs in one figure: their curves on one time axis, their cells at rest and at peak.
 
-use super::chart::{Axis, Chart, Curve};
+use super::chart::{Axis, Chart, Curve, align};
 use super::font::text_width;
 use super::shapes::draw_scale_bar;
 use super::sheet::{Path, Sheet, Stroke, Style};
@@ -123,21 +123,13 @@ fn draw_curves(
             colour: line_of(index).colour,
             dash: line_of(index).dash,
         };
-        charts.push(Chart {
-            place: [0.0, top + row as f64 * (HEIGHT + GAP)],
-            size: [0.0, HEIGHT],
-            x: Axis { labelled: row + 1 == quantities.len(), ..Axis::time(times) },
-            y: Axis::values(&quantity.label, range, HEIGHT),
-            curves: curves.iter().enumerate().map(curve).collect(),
-            bands: Vec::new(),
-            marks: Vec::new(),
-        });
+        let x = Axis { labelled: row + 1 == quantities.len(), ..Axis::time(times) };
+        let axes = [x, Axis::values(&quantity.label, range, HEIGHT)];
+        let curves = curves.iter().enumerate().map(curve).collect();
+        charts.push(Chart::new(top + row as f64 * (HEIGHT + GAP), HEIGHT, axes, curves));
     }
-    let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
-    let left = 30.0 + offset;
-    for (chart, letter) in charts.iter_mut().zip(LETTERS) {
-        chart.place[0] = left;
-        chart.size[0] = right - 15.0 - left;
+    let offset = align(&mut charts, 30.0, right - 15.0);
+    for (chart, letter) in charts.iter().zip(LETTERS) {
         chart.draw(sheet, offset);
         sheet.text([6.0, chart.place[1] + 4.0], letter, Style::new(LETTER).bold());
     }

@@ -1,7 +1,7 @@
 //! The figure of a fit: measured and fitted curve, residual, and likelihood profiles of its
 //! parameters.
 
-use super::chart::{Axis, Chart, Curve};
+use super::chart::{Axis, Chart, Curve, align, ends};
 use super::font::text_width;
 use super::sheet::{Anchor, Area, Look, Path, Sheet, Stroke, Style};
 use super::theme::{Colour, DOUBLE, HAIR, INK, LETTER, MUTED, SHORTENING, TENSION, TICK};
@@ -76,24 +76,17 @@ pub fn fit(curves: &[DrawnFit], profiles: &[LikelihoodProfile]) -> Result<Figure
     if curves.is_empty() {
         return Err(FigureError::Nothing { what: "fitted curves" });
     }
-    let mut charts: Vec<(Chart, Chart)> = Vec::new();
+    let mut charts: Vec<Chart> = Vec::new();
     let mut top = HEAD;
     for curve in curves {
-        charts.push(pair(curve, top)?);
+        charts.extend(pair(curve, top)?);
         top += OVERLAY + BETWEEN + RESIDUAL + UNDER + 8.0;
     }
-    let offsets =
-        charts.iter().flat_map(|(above, below)| [above.label_offset(), below.label_offset()]);
-    let offset = offsets.fold(0.0, f64::max);
-    let left = 28.0 + offset;
     // Half of the last tick label extends beyond the time axis.
-    let width = DOUBLE - 20.0 - left;
+    let offset = align(&mut charts, 28.0, DOUBLE - 20.0);
     let mut sheet = Sheet::default();
-    for (number, ((above, below), curve)) in charts.iter_mut().zip(curves).enumerate() {
-        for chart in [&mut *above, &mut *below] {
-            chart.place[0] = left;
-            chart.size[0] = width;
-        }
+    for (number, (charts, curve)) in charts.chunks_exact_mut(2).zip(curves).enumerate() {
+        let [above, below] = charts else { continue };
         if let Some(warning) = &curve.warning {
             misfit(&mut sheet, [above, below], curve);
             let at = [above.place[0], above.place[1] - 9.0];
@@ -165,52 +158,35 @@ fn draw_profile(
 
 fn fitted(curve: &DrawnFit) -> Curve {
     let points = curve.times_ms.iter().zip(&curve.fitted).map(|(time, value)| [*time, *value]);
-    Curve { points: points.collect(), colour: SHORTENING, dash: None }
+    Curve::solid(points.collect(), SHORTENING)
 }
 
 /// A curve and, below it, its residual.
-fn pair(curve: &DrawnFit, top: f64) -> Result<(Chart, Chart), FigureError> {
-    let ends = |values: &mut dyn Iterator<Item = f64>| {
-        values
-            .filter(|value| value.is_finite())
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-                [low.min(value), high.max(value)]
-            })
-    };
-    let values = ends(&mut curve.measured.iter().chain(&curve.fitted).copied());
-    let times = ends(&mut curve.times_ms.iter().copied());
+fn pair(curve: &DrawnFit, top: f64) -> Result<[Chart; 2], FigureError> {
+    let values = ends(curve.measured.iter().chain(&curve.fitted).copied());
+    let times = ends(curve.times_ms.iter().copied());
     if !(values[0].is_finite() && times[1] > times[0]) {
         return Err(FigureError::NoSamples { what: curve.label.clone() });
     }
     // Frames that were not used do not determine the scale.
     let counted =
         curve.measured.iter().zip(&curve.fitted).zip(&curve.used).filter(|(_, used)| **used);
-    let off = ends(&mut counted.map(|((measured, fitted), _)| (measured - fitted).abs()));
+    let off = ends(counted.map(|((measured, fitted), _)| (measured - fitted).abs()));
     let reach = off[1].max(2.5 * curve.noise);
     let left = match curve.unit.as_str() {
         "" => "Residual".to_owned(),
         unit => format!("Residual ({unit})"),
     };
     let time = Axis::time(times);
-    let above = Chart {
-        place: [0.0, top],
-        size: [0.0, OVERLAY],
-        x: Axis { labelled: false, ..time.clone() },
-        y: Axis::upright(&curve.label, values, OVERLAY),
-        curves: Vec::new(),
-        bands: Vec::new(),
-        marks: curve.stimuli_ms.clone(),
-    };
-    let below = Chart {
-        place: [0.0, top + OVERLAY + BETWEEN],
-        size: [0.0, RESIDUAL],
-        x: time,
-        y: Axis::upright(&left, [-reach, reach], RESIDUAL),
-        curves: Vec::new(),
-        bands: vec![[-curve.noise, curve.noise]],
-        marks: Vec::new(),
-    };
-    Ok((above, below))
+    let without_text = Axis { labelled: false, ..time.clone() };
+    let values = Axis::upright(&curve.label, values, OVERLAY);
+    let above = Chart::new(top, OVERLAY, [without_text, values], Vec::new());
+    let residuals = Axis::upright(&left, [-reach, reach], RESIDUAL);
+    let below = Chart::new(top + OVERLAY + BETWEEN, RESIDUAL, [time, residuals], Vec::new());
+    Ok([
+        Chart { marks: curve.stimuli_ms.clone(), ..above },
+        Chart { bands: vec![[-curve.noise, curve.noise]], ..below },
+    ])
 }
 
 /// Fills the area between the smoothed measured curve and the fitted one, and draws their smoothed
@@ -264,20 +240,11 @@ fn likelihood(profile: &LikelihoodProfile, place: [f64; 2], width: f64) -> Chart
     let points = below(&profile.points, highest);
     let low = points.iter().map(|point| point[0]).fold(profile.value, f64::min);
     let high = points.iter().map(|point| point[0]).fold(profile.value, f64::max);
-    Chart {
-        place,
-        size: [width, PROFILE],
-        x: Axis::across(&profile.label, [low, high], width),
-        y: Axis {
-            range: [0.0, highest],
-            step: 4.0,
-            label: "Rise of χ²".to_owned(),
-            labelled: true,
-        },
-        curves: vec![Curve { points, colour: MEASURED, dash: None }],
-        bands: Vec::new(),
-        marks: Vec::new(),
-    }
+    let x = Axis::across(&profile.label, [low, high], width);
+    let (range, label) = ([0.0, highest], "Rise of χ²".to_owned());
+    let y = Axis { range, step: 4.0, label, labelled: true };
+    let chart = Chart::new(place[1], PROFILE, [x, y], vec![Curve::solid(points, MEASURED)]);
+    Chart { place, size: [width, PROFILE], ..chart }
 }
 
 /// The part of a curve below a height, with the points where it crosses that height.

@@ -12,6 +12,35 @@ use myospring_core::mesh::{Mesh, SpringKind};
 /// Points closer than this are not drawn, px; they would hide the springs.
 const CLOSEST: f64 = 5.0;
 
+/// Distance between neighbouring points, um; of a mesh that is no lattice the mean.
+pub(super) fn spacing(mesh: &Mesh) -> f64 {
+    let mean = (mesh.area() / mesh.len() as f64).sqrt();
+    mesh.lattice.as_ref().map_or(mean, |lattice| lattice.spacing)
+}
+
+/// The springs of one kind in every so many rows and columns of a lattice, as lines; `at` is where a point is drawn.
+pub(super) fn springs(
+    mesh: &Mesh,
+    kind: SpringKind,
+    every: u32,
+    at: impl Fn(usize) -> [f64; 2],
+) -> Path {
+    let mut lines = Path::default();
+    for spring in mesh.springs.iter().filter(|spring| spring.kind == kind) {
+        let [a, b] = spring.nodes.map(|node| node as usize);
+        let shown = mesh.lattice.as_ref().is_none_or(|lattice| {
+            let (from, to) = (lattice.cells[a], lattice.cells[b]);
+            let across = usize::from(from[0] == to[0]);
+            // A spring along x belongs to a row, one along y to a column.
+            from[1 - across].is_multiple_of(every)
+        });
+        if shown {
+            lines.add_line([at(a), at(b)]);
+        }
+    }
+    lines
+}
+
 /// Points and springs of a mesh within its outline, with its numbers and a scale bar.
 ///
 /// Long cells take two columns (178 mm), others one (85 mm). If points are too close to be
@@ -32,33 +61,27 @@ pub fn mesh(mesh: &Mesh) -> Result<Figure, FigureError> {
     let margin = 8.0;
     let scale = ((page - 2.0 * margin) / extent[0]).min(1.2 * page / extent[1]);
     let inset = (page - extent[0] * scale) / 2.0;
-    let at = |node: u32| {
-        let [x, y] = [0, 1].map(|axis: usize| mesh.points[axis][node as usize]);
+    let at = |node: usize| {
+        let [x, y] = mesh.point(node);
         [inset + (x - left) * scale, margin + (high - y) * scale]
     };
 
     let mut sheet = Sheet::default();
     let mut rim = Path::default();
     for ring in outline(&facets(mesh)) {
-        rim.add_ring(ring.into_iter().map(at));
+        rim.add_ring(ring.into_iter().map(|node| at(node as usize)));
     }
     sheet.path(rim.clone(), Look::fill(LATTICE));
     for (kind, colour, width) in
         [(SpringKind::Diagonal, 0x9dbdd6, 0.4), (SpringKind::Axial, 0x4f8cba, 0.55)]
     {
-        let mut path = Path::default();
-        for spring in mesh.springs.iter().filter(|spring| spring.kind == kind) {
-            path.add_line(spring.nodes.map(at));
-        }
-        sheet.path(path, Stroke::new(Colour(colour), width));
+        sheet.path(springs(mesh, kind, 1, at), Stroke::new(Colour(colour), width));
     }
     sheet.path(rim, Stroke::new(INK, 1.0));
-    let points = mesh.points[0].len();
-    let mean_area = extent[0] * extent[1] / points as f64;
-    let spacing = mesh.lattice.as_ref().map_or(mean_area.sqrt(), |lattice| lattice.spacing);
+    let (points, spacing) = (mesh.len(), spacing(mesh));
     if spacing * scale >= CLOSEST {
         let mut path = Path::default();
-        for node in (0..points).filter_map(|node| u32::try_from(node).ok()) {
+        for node in 0..points {
             path.add_line([at(node); 2]);
         }
         let size = (0.32 * spacing * scale).min(3.2);

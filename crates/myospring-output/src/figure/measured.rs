@@ -1,7 +1,7 @@
 //! A measured curve with its beats, and one beat with the points at which its metrics were read.
 
 use super::FigureError;
-use super::chart::{Axis, Chart, Curve};
+use super::chart::{Axis, Chart, Curve, ends};
 use super::font::text_width;
 use super::sheet::{Anchor, Figure, Path, Sheet, Stroke, Style};
 use super::theme::{
@@ -113,15 +113,6 @@ fn label(curve: &Measured) -> String {
     }
 }
 
-/// Smallest and largest finite value.
-fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values
-        .filter(|value| value.is_finite())
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-            [low.min(value), high.max(value)]
-        })
-}
-
 /// The chart of the curve between two times; place and width are set later.
 fn chart(curve: &Measured, [from, to]: [f64; 2], scale: f64, height: f64) -> Chart {
     let samples = || curve.times_ms.iter().zip(curve.values).zip(&curve.analysis.read);
@@ -144,17 +135,15 @@ fn chart(curve: &Measured, [from, to]: [f64; 2], scale: f64, height: f64) -> Cha
     let y = Axis::upright(&label(curve), [low, high], height);
     let raw = within().map(|((time, value), _)| [time * scale, good(time, value)]);
     let read = within().map(|((time, _), read)| [time * scale, *read]);
-    let plain = |points, colour| Curve { points, colour, dash: None };
     let mut curves = Vec::new();
     if curve.values != curve.analysis.read {
-        curves.push(plain(raw.collect(), RAW));
+        curves.push(Curve::solid(raw.collect(), RAW));
     }
-    curves.push(plain(read.collect(), colour(curve.kind)));
+    curves.push(Curve::solid(read.collect(), colour(curve.kind)));
     let beats = curve.analysis.beats.iter().filter(|beat| beat.state != State::Missed);
     let stimuli = beats.filter_map(|beat| beat.stimulus_ms);
     let marks = stimuli.map(|time| time * scale).collect();
-    let (place, size) = ([0.0, 0.0], [0.0, height]);
-    Chart { place, size, x, y, curves, bands: Vec::new(), marks }
+    Chart { marks, ..Chart::new(0.0, height, [x, y], curves) }
 }
 
 fn recording(sheet: &mut Sheet, curve: &Measured, chart: &Chart, scale: f64) {

@@ -1,6 +1,6 @@
 //! Curves over time: action potential, active tension, shortening.
 
-use super::chart::{Axis, Chart, Curve};
+use super::chart::{Axis, Chart, Curve, align, ends};
 use super::font::text_width;
 use super::sheet::{Anchor, Look, Sheet, Stroke, Style};
 use super::theme::{
@@ -134,12 +134,7 @@ pub(super) fn extent<'a>(
     curves: impl IntoIterator<Item = &'a [[f64; 2]]>,
     axis: usize,
 ) -> [f64; 2] {
-    curves
-        .into_iter()
-        .flat_map(finite)
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], point| {
-            [low.min(point[axis]), high.max(point[axis])]
-        })
+    ends(curves.into_iter().flat_map(finite).map(|point| point[axis]))
 }
 
 /// The maximum of a curve, interpolated between samples.
@@ -187,27 +182,21 @@ impl Stack<'_> {
             // Room for the label of the peak.
             let room = if quantity.noted { 0.12 * (high - low.min(0.0)) } else { 0.0 };
             charts.push(Chart {
-                place: [0.0, self.top + row as f64 * (self.height + self.gap)],
-                size: [0.0, self.height],
-                x: Axis { labelled: row == last, ..Axis::time(times) },
-                y: Axis::values(&quantity.label, [low, high + room], self.height),
-                curves: vec![Curve {
-                    points: curves[row].clone(),
-                    colour: quantity.colour,
-                    dash: None,
-                }],
-                bands: Vec::new(),
                 marks: captured.clone(),
+                ..Chart::new(
+                    self.top + row as f64 * (self.height + self.gap),
+                    self.height,
+                    [
+                        Axis { labelled: row == last, ..Axis::time(times) },
+                        Axis::values(&quantity.label, [low, high + room], self.height),
+                    ],
+                    vec![Curve::solid(curves[row].clone(), quantity.colour)],
+                )
             });
         }
         // The plots of all panels are aligned, right of the widest labels; half a tick label
         // extends beyond the time axis.
-        let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
-        let left = self.sides[0] + 24.0 + offset;
-        for chart in &mut charts {
-            chart.place[0] = left;
-            chart.size[0] = self.sides[1] - 11.0 - left;
-        }
+        let offset = align(&mut charts, self.sides[0] + 24.0, self.sides[1] - 11.0);
         for (row, chart) in charts.iter().enumerate() {
             chart.draw(sheet, offset);
             chart.draw_missed(sheet, &missed, if row == 0 { NOT_CAPTURED } else { "" });

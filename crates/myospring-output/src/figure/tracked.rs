@@ -1,7 +1,8 @@
 //! A tracked cell: the film with the lattice overlaid, and a figure with its curves.
 
-use super::chart::{Axis, Chart, Curve};
+use super::chart::{Axis, Chart, Curve, ends};
 use super::film::{Still, gif};
+use super::lattice::{spacing, springs};
 use super::photograph::{Part, embedded};
 use super::raster::painted;
 use super::shapes::draw_scale_bar;
@@ -99,24 +100,8 @@ impl Tracked<'_> {
         at: impl Fn([f64; 2]) -> [f64; 2],
     ) {
         let point = |node: usize| at([frame.positions[0][node], frame.positions[1][node]]);
-        let mut lines = Path::default();
-        let every = self
-            .mesh
-            .lattice
-            .as_ref()
-            .map_or(1, |lattice| (FINEST / (lattice.spacing * scale)).ceil().max(1.0) as u32);
-        for spring in self.mesh.springs.iter().filter(|spring| spring.kind == SpringKind::Axial) {
-            let [a, b] = spring.nodes.map(|node| node as usize);
-            let shown = self.mesh.lattice.as_ref().is_none_or(|lattice| {
-                let (from, to) = (lattice.cells[a], lattice.cells[b]);
-                let across = usize::from(from[0] == to[0]);
-                // A spring along x belongs to a row, one along y to a column.
-                from[1 - across].is_multiple_of(every)
-            });
-            if shown {
-                lines.add_line([point(a), point(b)]);
-            }
-        }
+        let every = (FINEST / (spacing(self.mesh) * scale)).ceil().max(1.0) as u32;
+        let lines = springs(self.mesh, SpringKind::Axial, every, point);
         sheet.path(lines, Stroke::new(LATTICE, 0.7).opacity(0.75));
         let mut dots = Path::default();
         for (node, _) in
@@ -340,44 +325,38 @@ impl Tracked<'_> {
         let column = |value: &dyn Fn(&TrackRow) -> f64| -> Vec<[f64; 2]> {
             rows.iter().map(|row| [row.t_ms, value(row)]).collect()
         };
-        let curve = |points, colour| Curve { points, colour, dash: None };
         let contraction = rows.iter().zip(self.contraction);
         let contraction = contraction.map(|(row, value)| [row.t_ms, *value]).collect();
         let mut panels = vec![(
             "Contraction (%)",
-            vec![curve(contraction, CURVES[0])],
+            vec![Curve::solid(contraction, CURVES[0])],
             vec![(format!("by {}", self.by), CURVES[0])],
         )];
         panels.push((
             "Stretch",
             vec![
-                curve(column(&|row| row.stretch_1), CURVES[0]),
-                curve(column(&|row| row.stretch_2), CURVES[1]),
+                Curve::solid(column(&|row| row.stretch_1), CURVES[0]),
+                Curve::solid(column(&|row| row.stretch_2), CURVES[1]),
             ],
             vec![("stretch 1".to_owned(), CURVES[0]), ("stretch 2".to_owned(), CURVES[1])],
         ));
         if rows.iter().any(|row| row.sarcomere_um.is_some()) {
             let lengths = column(&|row| row.sarcomere_um.unwrap_or(f64::NAN));
-            panels.push(("Sarcomere (\u{b5}m)", vec![curve(lengths, CURVES[2])], Vec::new()));
+            panels.push((
+                "Sarcomere (\u{b5}m)",
+                vec![Curve::solid(lengths, CURVES[2])],
+                Vec::new(),
+            ));
         }
         let (height, between, left) = (72.0, 18.0, 58.0);
         let count = panels.len();
         let mut place = top;
         for (index, (label, curves, legend)) in panels.into_iter().enumerate() {
             let values = curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]);
-            let ends = values
-                .filter(|value| value.is_finite())
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
-            let last = index + 1 == count;
-            let chart = Chart {
-                place: [left, place],
-                size: [DOUBLE - left - MARGIN, height],
-                x: Axis { labelled: last, ..Axis::time(times) },
-                y: Axis::upright(label, ends, height),
-                curves,
-                bands: Vec::new(),
-                marks: Vec::new(),
-            };
+            let y = Axis::upright(label, ends(values), height);
+            let x = Axis { labelled: index + 1 == count, ..Axis::time(times) };
+            let mut chart = Chart::new(place, height, [x, y], curves);
+            (chart.place[0], chart.size[0]) = (left, DOUBLE - left - MARGIN);
             chart.draw(sheet, 46.0);
             for (at, (name, colour)) in legend.into_iter().enumerate() {
                 let x = DOUBLE - MARGIN - 130.0 + 68.0 * at as f64;

@@ -1,6 +1,6 @@
 //! Work loop: force at the ends over length, for a beat with held ends.
 
-use super::chart::{Axis, Chart, Curve};
+use super::chart::{Axis, Chart, Curve, align};
 use super::font::text_width;
 use super::sheet::{Anchor, Sheet, Style};
 use super::theme::{CURVES, LETTER, MUTED, SINGLE, TENSION, TICK, fixed};
@@ -33,33 +33,27 @@ pub fn work_loop(recording: &Recording, stimulus_times_ms: &[f64]) -> Result<Fig
     let forces = extent([in_time.as_slice()], 1);
     let high = forces[1] + 0.08 * (forces[1] - forces[0].min(0.0));
     let axis = |height| Axis::values("Force at the ends (nN)", [forces[0], high], height);
-    let width = |left: f64| SINGLE - 15.0 - left;
+    let lengths = extent([along.as_slice()], 0);
     let mut charts = [
         Chart {
-            place: [0.0, 18.0],
-            size: [0.0, HEIGHTS[0]],
-            x: Axis::time(extent([in_time.as_slice()], 0)),
-            y: axis(HEIGHTS[0]),
-            curves: vec![Curve { points: in_time, colour: TENSION, dash: None }],
-            bands: Vec::new(),
             marks: stimulus_times_ms.to_vec(),
+            ..Chart::new(
+                18.0,
+                HEIGHTS[0],
+                [Axis::time(extent([in_time.as_slice()], 0)), axis(HEIGHTS[0])],
+                vec![Curve::solid(in_time, TENSION)],
+            )
         },
-        Chart {
-            place: [0.0, 18.0 + HEIGHTS[0] + 52.0],
-            size: [0.0, HEIGHTS[1]],
-            x: Axis::across("Length (\u{b5}m)", extent([along.as_slice()], 0), width(60.0)),
-            y: axis(HEIGHTS[1]),
-            curves: vec![Curve { points: along, colour: CURVES[0], dash: None }],
-            bands: Vec::new(),
-            marks: Vec::new(),
-        },
+        Chart::new(
+            18.0 + HEIGHTS[0] + 52.0,
+            HEIGHTS[1],
+            [Axis::across("Length (\u{b5}m)", lengths, SINGLE - 75.0), axis(HEIGHTS[1])],
+            vec![Curve::solid(along, CURVES[0])],
+        ),
     ];
-    let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
-    let left = 30.0 + offset;
+    let offset = align(&mut charts, 30.0, SINGLE - 15.0);
     let mut sheet = Sheet::default();
-    for (chart, letter) in charts.iter_mut().zip(["A", "B"]) {
-        chart.place[0] = left;
-        chart.size[0] = width(left);
+    for (chart, letter) in charts.iter().zip(["A", "B"]) {
         chart.draw(&mut sheet, offset);
         sheet.text([6.0, chart.place[1] + 4.0], letter, Style::new(LETTER).bold());
     }

@@ -15,7 +15,7 @@ use super::template::TEMPLATE;
 /// use myospring::mesh::{built_in, lattice};
 /// use myospring::output::field::Field;
 /// use myospring::output::page::{self, Page, PageRun, Runs};
-/// use myospring::output::report::Summary;
+/// use myospring::analysis::summary::Summary;
 /// use myospring::prelude::*;
 ///
 /// let outline = built_in::adult_ventricular();

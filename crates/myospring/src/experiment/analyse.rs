@@ -30,7 +30,7 @@ mod page;
 mod record;
 
 pub use curve::AnalysedCurve;
-pub use record::{AnalysisRecord, Mean, conventions, means};
+pub use record::{AnalysisRecord, KEY, Mean, conventions, means};
 
 use super::beats::BeatOptions;
 use super::tables::tables;

@@ -12,6 +12,7 @@ use super::folder::Folder;
 use super::input::ChosenSetting;
 use super::inputs;
 use super::observer::Observer;
+use super::watched::Watched;
 use super::{Experiment, Outcome};
 use crate::interruption::Interruption;
 use crate::output::files::{self, Manifest};
@@ -22,7 +23,7 @@ use crate::study::{self, Cause, Journal, Row as _, Status, Threads};
 use kept::Kept;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::AtomicU64;
 use std::time::Instant;
 
 /// The table for people and for programs.
@@ -169,15 +170,20 @@ impl PreparedBatch<'_> {
     /// Errors of the disk; an error of a picture is in its row.
     pub fn run(self, observer: &dyn Observer) -> Result<Batched, ExperimentError> {
         let Self { batch, notes, pictures, journal, manifest, files, interruption, started } = self;
-        let seen = Seen {
+        let write = |rows: &[CellRow]| {
+            let Some(manifest) = &manifest else { return Ok(()) };
+            write_table(rows, |name, content| Ok(manifest.write(name, content)?))
+        };
+        let watched = Watched {
             observer,
             interruption: interruption.clone(),
-            manifest: manifest.as_ref(),
+            words: |picture: &Picture, row: &CellRow| (picture.name.clone(), row.reason.clone()),
+            table: Some(&write),
             done: AtomicU64::new(0),
         };
         let kept = Kept { figures: batch.figures, manifest: manifest.as_ref(), files, observer };
         let threads = Threads::new(batch.jobs)?;
-        let report = study::run(&pictures, &journal, &threads, &seen, |picture| {
+        let report = study::run(&pictures, &journal, &threads, &watched, |picture| {
             let run = batch.settled(picture, files, &interruption)?;
             pictures::rows(picture, &run, members::which(&batch.settings, picture), &kept)
         })?;
@@ -260,44 +266,4 @@ fn write_table(
     let table = CellRow::table(rows);
     write(CSV, &table.clone().for_people().to_csv()?)?;
     write(PARQUET, &table.to_parquet()?)
-}
-
-/// Reports the progress of a batch and writes its table.
-struct Seen<'a> {
-    observer: &'a dyn Observer,
-    interruption: Interruption,
-    manifest: Option<&'a Manifest>,
-    done: AtomicU64,
-}
-
-impl study::StudyObserver<Picture> for Seen<'_> {
-    fn begins(&self, done: usize, pictures: usize) {
-        self.observer.stage("pictures", pictures as u64);
-        if done > 0 {
-            self.observer.note(&format!("continuing: {done} of {pictures} pictures are done"));
-        }
-        self.done.store(done as u64, Ordering::Relaxed);
-        self.observer.reached(done as u64);
-    }
-
-    fn damaged(&self, pictures: usize) {
-        self.observer.warn(&study::damaged(pictures, "pictures"));
-    }
-
-    fn changed(&self, pictures: usize) {
-        self.observer.warn(&study::changed(pictures, "pictures"));
-    }
-
-    fn finished(&self, picture: &Picture, rows: &[CellRow]) -> bool {
-        for row in rows.iter().filter(|row| row.status == Status::Failed) {
-            self.observer.failed(&picture.name, &row.reason);
-        }
-        self.observer.reached(1 + self.done.fetch_add(1, Ordering::Relaxed));
-        !self.interruption.is_requested()
-    }
-
-    fn table(&self, rows: &[CellRow]) -> Result<(), Cause> {
-        let Some(manifest) = self.manifest else { return Ok(()) };
-        write_table(rows, |name, content| Ok(manifest.write(name, content)?))
-    }
 }

@@ -1,6 +1,10 @@
 //! Figures 3, 5 and 6 of Coelho et al. 2021, and every number that the paper states, compared with
 //! ours.
 
+mod statements;
+
+pub use statements::{Finding, StatementVerdict};
+
 use super::error::ExperimentError;
 use super::files::Files;
 use super::folder::Folder;
@@ -9,7 +13,6 @@ use super::{Experiment, Outcome};
 use crate::mesh::Mesh;
 use crate::mesh::outline::Outline;
 use crate::mesh::quality::long_axis;
-use crate::output::comparison::{Finding, PaperRun, TENSIONS, with_paper};
 use crate::output::field::Fields;
 use crate::output::figure::{self, ContractionOptions, DrawnCell, FigureError, Theme};
 use crate::output::{csv, json};
@@ -18,6 +21,7 @@ use crate::simulation::{self, Effort};
 use crate::study::Threads;
 use rayon::prelude::*;
 use serde::Serialize;
+use statements::{PaperRun, TENSIONS, with_paper};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 

@@ -11,6 +11,7 @@ pub use found::Found;
 use super::error::ExperimentError;
 use super::files::Files;
 use super::observer::Observer;
+use super::watched::Watched;
 use crate::interruption::Interruption;
 use crate::output::files::Manifest;
 use crate::study::parameters::{
@@ -20,7 +21,7 @@ use crate::study::parameters::{
 use crate::study::{self, Journal, Row as _, Status, Threads};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::AtomicU64;
 
 /// Missing members that are named.
 const NAMED: usize = 5;
@@ -188,9 +189,16 @@ impl<'a> Open<'a> {
     pub fn run(self, observer: &dyn Observer) -> Result<Studied<'a>, ExperimentError> {
         let (members, threads) = (self.members(), Threads::new(self.jobs)?);
         let Self { study, common, shard, journal, manifest, .. } = self;
-        let (interruption, done) = (observer.interruption(), AtomicU64::new(0));
-        let seen = Seen { observer, interruption, done };
-        let report = run(&study.parameters, &common, shard, &journal, &threads, &seen)?;
+        let watched = Watched {
+            observer,
+            interruption: observer.interruption(),
+            words: |member: &Variation, row: &VariationRow| {
+                (format!("member {}", member.name), row.reason.clone())
+            },
+            table: None,
+            done: AtomicU64::new(0),
+        };
+        let report = run(&study.parameters, &common, shard, &journal, &threads, &watched)?;
         let (rows, interrupted) = (report.rows, report.stopped);
         Ok(Studied { study, common, manifest, rows, members, interrupted })
     }
@@ -263,46 +271,4 @@ fn parts(target: &Path) -> Result<Vec<(Shard, PathBuf)>, ExperimentError> {
 fn part_of(folder: &str) -> Option<Shard> {
     let (part, of) = folder.strip_prefix("shard_")?.split_once("_of_")?;
     format!("{part}/{of}").parse().ok()
-}
-
-/// Reports the progress of a study.
-struct Seen<'a> {
-    observer: &'a dyn Observer,
-    interruption: Interruption,
-    done: AtomicU64,
-}
-
-impl study::StudyObserver<Variation> for Seen<'_> {
-    fn begins(&self, done: usize, members: usize) {
-        self.observer.stage("members", members as u64);
-        if done > 0 {
-            self.observer.note(&format!("continuing: {done} of {members} members are done"));
-        }
-        self.done.store(done as u64, Ordering::Relaxed);
-        self.observer.reached(done as u64);
-    }
-
-    fn damaged(&self, members: usize) {
-        self.observer.warn(&study::damaged(members, "members"));
-    }
-
-    fn changed(&self, members: usize) {
-        self.observer.warn(&study::changed(members, "members"));
-    }
-
-    fn finished(&self, member: &Variation, rows: &[VariationRow]) -> bool {
-        for row in rows.iter().filter(|row| row.status() == Status::Failed) {
-            self.observer.failed(&format!("member {}", member.name), &row.reason);
-        }
-        self.observer.reached(1 + self.done.fetch_add(1, Ordering::Relaxed));
-        !self.interruption.is_requested()
-    }
-
-    fn interruption(&self) -> Interruption {
-        self.interruption.clone()
-    }
-
-    fn wants_tables(&self) -> bool {
-        false
-    }
 }

@@ -1,12 +1,13 @@
 //! Folders of tables: each of them is one cell or several.
 
 use super::error::ExperimentError;
+use super::input::ending;
 use crate::settings::PICTURE_ENDINGS;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Endings of tables of curves.
-const TABLES: [&str; 9] = ["csv", "txt", "tsv", "dat", "asc", "tab", "atf", "xlsx", "xlsm"];
+pub const TABLES: [&str; 9] = ["csv", "txt", "tsv", "dat", "asc", "tab", "atf", "xlsx", "xlsm"];
 
 /// Whether a path is a table of curves, or a folder that has some and no frames of a film.
 pub fn is_of_tables(path: &Path) -> bool {
@@ -50,9 +51,4 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, ExperimentError> {
     let paths = entries.map(|entry| entry.map(|entry| entry.path()));
     let all: Result<Vec<PathBuf>, _> = paths.collect();
     Ok(all.map_err(failed)?.into_iter().filter(|path| path.is_file()).collect())
-}
-
-/// The ending of a file's name in small letters.
-fn ending(path: &Path) -> String {
-    path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default()
 }

@@ -47,14 +47,9 @@ pub enum CalciumError {
         /// The model.
         model: String,
     },
-    /// The file could not be read.
-    #[error("cannot read `{path}`: {cause}")]
-    Read {
-        /// The file.
-        path: String,
-        /// What the system says.
-        cause: io::Error,
-    },
+    /// The file could not be read, or a field is not a number or has an impossible value.
+    #[error(transparent)]
+    Read(ReadError),
     /// It is not a table of calcium.
     #[error(
         "`{path}`: {cause}; a table of calcium has a column of times and one of calcium or of a ratio, with their \
@@ -64,18 +59,6 @@ pub enum CalciumError {
         /// The file.
         path: String,
         /// What is wrong.
-        cause: String,
-    },
-    /// A field that is not a number, or an impossible value.
-    #[error("`{path}`, line {line}, column `{column}`: {cause}")]
-    Field {
-        /// The file.
-        path: String,
-        /// Its line, from 1.
-        line: u64,
-        /// The column as its header calls it.
-        column: String,
-        /// What is wrong, with the value.
         cause: String,
     },
     /// The samples are not a valid course.
@@ -138,7 +121,8 @@ pub(super) fn with_calcium(
     calibration: Calibration,
     read: impl Fn(&str) -> io::Result<Vec<u8>>,
 ) -> Result<(Arc<dyn CellModel>, Option<String>), CalciumError> {
-    let bytes = read(path).map_err(|cause| CalciumError::Read { path: path.to_owned(), cause })?;
+    let unread = |cause| CalciumError::Read(ReadError::Read { path: path.to_owned(), cause });
+    let bytes = read(path).map_err(unread)?;
     let (trace, mut remarks) = of_table(path, &bytes, calibration)?;
     let [rest, last, peak] = trace.ends();
     if (last - rest).abs() > JUMP * (peak - rest) {
@@ -179,9 +163,7 @@ fn of_table(
     let table = |cause: String| CalciumError::Table { path: path.to_owned(), cause };
     let options = TableOptions { units_required: true, ..TableOptions::default() };
     let read = measured::read_bytes(path, bytes, &options).map_err(|error| match error {
-        ReadError::Field { path, line, column, cause } => {
-            CalciumError::Field { path, line, column, cause }
-        }
+        error @ ReadError::Field { .. } => CalciumError::Read(error),
         ReadError::Table { cause, .. } => table(cause),
         other => table(other.to_string()),
     })?;
@@ -212,20 +194,17 @@ fn of_table(
         ));
     }
     let calcium = calibrated(path, curve, calibration)?;
-    let field = |sample: usize, column: &str, cause: String| CalciumError::Field {
-        path: path.to_owned(),
-        line: curve.lines[sample],
-        column: column.to_owned(),
-        cause,
+    let field = |sample: usize, cause: String| {
+        let (path, line, column) = (path.to_owned(), curve.lines[sample], curve.name.clone());
+        CalciumError::Read(ReadError::Field { path, line, column, cause })
     };
+    let values = curve.values.iter().enumerate();
     let values =
-        curve.values.iter().enumerate().map(|(sample, &value)| {
-            calcium(value).map_err(|cause| field(sample, &curve.name, cause))
-        });
+        values.map(|(sample, &value)| calcium(value).map_err(|cause| field(sample, cause)));
     let values = values.collect::<Result<Vec<f64>, _>>()?;
     let trace =
         CalciumTrace::new(&curve.times_ms, &values).map_err(|cause| match cause.sample() {
-            Some(sample) => field(sample, &curve.name, cause.to_string()),
+            Some(sample) => field(sample, cause.to_string()),
             None => CalciumError::Course { path: path.to_owned(), cause },
         })?;
     remarks.extend(holes(path, curve, &values)?);

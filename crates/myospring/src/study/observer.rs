@@ -7,21 +7,6 @@ use std::time::Duration;
 /// How often [`StudyObserver::table`] is called while members are under way.
 pub const TABLE_EVERY: Duration = Duration::from_secs(5);
 
-/// Returns the message for members whose recorded results are damaged.
-pub fn damaged(count: usize, members: &str) -> String {
-    format!(
-        "the stored results of {count} {members} were changed or damaged; they are computed again"
-    )
-}
-
-/// Returns the message for members whose input changed since they were computed.
-pub fn changed(count: usize, members: &str) -> String {
-    format!(
-        "{count} stored {members} had other input (another picture, other parameters or another sampling); they are \
-        computed again"
-    )
-}
-
 /// Is told about the progress of a study; `()` ignores it.
 pub trait StudyObserver<M: Member>: Sync {
     /// Called when the study begins: the number of members finished before, and of all members.

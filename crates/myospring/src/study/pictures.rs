@@ -11,11 +11,11 @@ pub use table::{TableError, TableSetting, read_table};
 use left_out::{LeftOut, notes};
 
 use super::{Cause, Interrupted, Member, Row as _, Status, sha256};
+use crate::analysis::summary::Summary;
 use crate::mesh::outline::Outline;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::segment::Choice;
 use crate::output::files;
-use crate::output::report::Summary;
 use crate::settings::{Fibres, MeshedRun, PictureSource, Run, ShapeError, Source};
 use crate::simulation::{Outcome, Simulation, StopReason};
 use std::path::PathBuf;
@@ -280,7 +280,7 @@ fn beat(
     row.warnings = warnings.join("; ");
     let (stimuli, s2_ms) = (run.stimulus_times(), run.s2_ms());
     let summary = Summary::new(&finished.recording, &stimuli, s2_ms, report, warnings)
-        .with_pace(&simulation.pace(&finished.beats()));
+        .with_about_model(simulation.pace(&finished.beats()).about_model());
     row.metrics(&summary);
     let mut own = Run { fibre: fibres.taken, ..run.clone() };
     if let Some(choice) = own.shape.source.choice_mut() {

@@ -86,14 +86,8 @@ pub(crate) struct OwnCell {
 
 /// Its parameters; `binding` in 1/(uM ms).
 pub(crate) fn parameters(binding: f64) -> ParameterSet {
-    let row = |name: &str, value: f64, unit: &str, meaning: &str| Parameter {
-        name: name.to_owned().into(),
-        value,
-        unit: unit.to_owned().into(),
-        minimum: 0.0,
-        maximum: 1e6,
-        meaning: meaning.to_owned().into(),
-        source: "made up".into(),
+    let row = |name, value, unit, meaning| {
+        Parameter::new(name, value, unit, [0.0, 1e6], meaning, "made up")
     };
     ParameterSet::new(vec![
         row("g_s", 0.09, "mS/uF", "conductance of the slow inward current"),
@@ -235,10 +229,6 @@ impl CellModel for OwnCell {
 
     fn description(&self) -> &'static str {
         "Membrane of Beeler and Reuter with buffered calcium and a tension, for tests"
-    }
-
-    fn citations(&self) -> Vec<&str> {
-        Vec::new()
     }
 
     fn parameters(&self) -> &ParameterSet {

@@ -7,6 +7,7 @@ use super::synthetic_cell::Random;
 use myospring::mesh::mask::Mask;
 use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::film::Film;
+use myospring::microscopy::motion::CellMotion;
 use myospring::microscopy::picture::Selection;
 
 /// Length of a sarcomere at rest, um.
@@ -209,4 +210,47 @@ impl FilmScene {
             .collect();
         Mask::new(width, height, PixelSize::new(self.pixel_um).unwrap(), inside).unwrap()
     }
+}
+
+/// How well a motion was found.
+impl FilmScene {
+    /// Errors of all points in all frames, pixels, the least first.
+    pub(crate) fn errors(&self, motion: &CellMotion) -> Vec<f64> {
+        let mut errors = Vec::new();
+        for frame in 0..motion.len() {
+            let stage = self.stage(frame);
+            for node in 0..motion.mesh.len() {
+                let wanted = self.displacement(motion.mesh.point(node), frame);
+                let off = [0, 1].map(|axis: usize| {
+                    let found =
+                        motion.displacements_um[frame][axis][node] + motion.stage_um[frame][axis];
+                    found - wanted[axis] - stage[axis]
+                });
+                errors.push(off[0].hypot(off[1]) / self.pixel_um);
+            }
+        }
+        errors.sort_by(f64::total_cmp);
+        errors
+    }
+
+    /// Largest difference of measured and true shortening over all frames, percentage points.
+    pub(crate) fn shortening_error(&self, motion: &CellMotion) -> f64 {
+        let lengths = motion.lengths_um();
+        let moved = |frame: &usize| {
+            let ways = (0..motion.mesh.len())
+                .map(|node| self.displacement(motion.mesh.point(node), *frame));
+            let ways: Vec<[f64; 2]> = ways.collect();
+            [0, 1].map(|axis: usize| ways.iter().map(|way| way[axis]).collect::<Vec<f64>>())
+        };
+        let displacements_um = motion.frames.iter().map(moved).collect();
+        let truth = CellMotion { displacements_um, ..motion.clone() }.lengths_um();
+        let off =
+            |frame: usize| 100.0 * (lengths[frame] / lengths[0] - truth[frame] / truth[0]).abs();
+        (0..motion.len()).map(off).fold(0.0, f64::max)
+    }
+}
+
+/// The value below which a part of sorted values lies.
+pub(crate) fn quantile(sorted: &[f64], part: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * part) as usize]
 }

@@ -12,7 +12,7 @@ use myospring::microscopy::picture::Selection;
 use myospring::microscopy::segment::Choice;
 
 use super::common::{pixels_of, shared_data};
-use super::synthetic_film::{FilmScene, SARCOMERE_UM};
+use super::synthetic_film::{FilmScene, SARCOMERE_UM, quantile};
 
 /// Follows the cell of a scene from its first frame.
 fn followed(scene: &FilmScene) -> CellMotion {
@@ -37,51 +37,13 @@ fn follow(scene: &FilmScene, film: &Film) -> Result<CellMotion, MotionError> {
     motion::follow(film, rest, &cell, TrackingSettings::at(50.0), |_| true)
 }
 
-/// Errors of all points in all frames, pixels, the least first.
-fn errors(scene: &FilmScene, motion: &CellMotion) -> Vec<f64> {
-    let mut errors = Vec::new();
-    for frame in 0..motion.len() {
-        let stage = scene.stage(frame);
-        for node in 0..motion.mesh.len() {
-            let wanted = scene.displacement(motion.mesh.point(node), frame);
-            let off = [0, 1].map(|axis: usize| {
-                let found =
-                    motion.displacements_um[frame][axis][node] + motion.stage_um[frame][axis];
-                found - wanted[axis] - stage[axis]
-            });
-            errors.push(off[0].hypot(off[1]) / scene.pixel_um);
-        }
-    }
-    errors.sort_by(f64::total_cmp);
-    errors
-}
-
-fn quantile(sorted: &[f64], part: f64) -> f64 {
-    sorted[((sorted.len() - 1) as f64 * part) as usize]
-}
-
-/// Largest difference of measured and true shortening over all frames, percentage points.
-fn shortening_error(scene: &FilmScene, motion: &CellMotion) -> f64 {
-    let lengths = motion.lengths_um();
-    let moved = |frame: usize| {
-        let ways = (0..motion.mesh.len())
-            .map(|node| scene.displacement(motion.mesh.point(node), motion.frames[frame]));
-        let ways: Vec<[f64; 2]> = ways.collect();
-        [0, 1].map(|axis: usize| ways.iter().map(|way| way[axis]).collect::<Vec<f64>>())
-    };
-    let displacements_um = (0..motion.len()).map(moved).collect();
-    let truth = CellMotion { displacements_um, ..motion.clone() }.lengths_um();
-    let off = |frame: usize| 100.0 * (lengths[frame] / lengths[0] - truth[frame] / truth[0]).abs();
-    (0..motion.len()).map(off).fold(0.0, f64::max)
-}
-
 #[test]
 fn a_known_motion_is_found_within_a_twentieth_of_a_pixel() {
     let scene = FilmScene::default();
     let motion = followed(&scene);
-    let errors = errors(&scene, &motion);
+    let errors = scene.errors(&motion);
     let (median, most) = (quantile(&errors, 0.5), quantile(&errors, 0.99));
-    let shortening = shortening_error(&scene, &motion);
+    let shortening = scene.shortening_error(&motion);
     // What is asked of it: 0.05 px, and 0.1 percentage points of the shortening.
     assert!(median <= 0.05, "median {median} px");
     // None has gone to another stripe, which would be 9 pixels.
@@ -95,9 +57,9 @@ fn noise_blur_and_uneven_light_leave_a_tenth_of_a_pixel() {
     let scene =
         FilmScene { noise: 0.155, vignette: 0.4, bleach: 0.2, bits: 8, ..FilmScene::default() };
     let motion = followed(&scene);
-    let errors = errors(&scene, &motion);
+    let errors = scene.errors(&motion);
     let median = quantile(&errors, 0.5);
-    let shortening = shortening_error(&scene, &motion);
+    let shortening = scene.shortening_error(&motion);
     assert!(median <= 0.1, "median {median} px");
     assert!(shortening <= 0.1, "{shortening} percentage points");
 }
@@ -117,11 +79,11 @@ fn stripes_are_not_mistaken_for_their_neighbours_where_the_ends_jump_by_sarcomer
     let largest = (0..7).map(|frame| jump(frame).abs()).fold(0.0, f64::max) * 0.12 * 60.0;
     assert!(largest > 1.5 * SARCOMERE_UM, "the ends jump by {largest} um only");
     let motion = followed(&scene);
-    let errors = errors(&scene, &motion);
+    let errors = scene.errors(&motion);
     let half_a_sarcomere = 0.5 * SARCOMERE_UM / scene.pixel_um;
     let wrong = errors.iter().filter(|error| **error > half_a_sarcomere).count();
     assert!(wrong * 200 < errors.len(), "{wrong} of {} on another stripe", errors.len());
-    let shortening = shortening_error(&scene, &motion);
+    let shortening = scene.shortening_error(&motion);
     assert!(shortening <= 0.1, "{shortening} percentage points");
 }
 
@@ -207,7 +169,7 @@ fn what_is_interrupted_has_the_frames_that_were_done() {
 fn a_film_without_motion_has_none() {
     let scene = FilmScene { shortening: 0.0, frames: 5, noise: 0.1, ..FilmScene::default() };
     let motion = followed(&scene);
-    assert!(shortening_error(&scene, &motion) < 0.1);
+    assert!(scene.shortening_error(&motion) < 0.1);
     let still = FilmScene { noise: 0.0, ..scene };
     let motion = followed(&still);
     let most =

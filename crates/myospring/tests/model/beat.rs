@@ -261,9 +261,6 @@ impl CellModel for Failing {
     fn description(&self) -> &'static str {
         "becomes NaN once the cell has shortened"
     }
-    fn citations(&self) -> Vec<&str> {
-        Vec::new()
-    }
     fn parameters(&self) -> &ParameterSet {
         self.inner.parameters()
     }

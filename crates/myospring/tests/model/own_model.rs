@@ -266,9 +266,6 @@ impl CellModel for Feeling {
     fn description(&self) -> &'static str {
         "follows what it feels"
     }
-    fn citations(&self) -> Vec<&str> {
-        Vec::new()
-    }
     fn parameters(&self) -> &ParameterSet {
         &self.parameters
     }

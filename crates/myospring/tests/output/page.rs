@@ -3,6 +3,7 @@
 use crate::synthetic::{STIMULUS, recording};
 use myospring::analysis::curve::{CurveOptions, analyse};
 use myospring::analysis::kind::Kind;
+use myospring::analysis::summary::Summary;
 use myospring::mesh::outline::Outline;
 use myospring::mesh::pixel_size::PixelSize;
 use myospring::mesh::{Mesh, lattice};
@@ -11,7 +12,6 @@ use myospring::output::figure::Measured;
 use myospring::output::page::{
     self, Chart, Page, PageError, PageRun, Part, Photograph, Runs, Section,
 };
-use myospring::output::report::Summary;
 use myospring::recording::Recording;
 use serde_json::Value;
 

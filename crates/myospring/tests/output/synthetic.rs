@@ -127,8 +127,7 @@ pub(crate) fn recording(mesh: &Mesh, fibre: [f64; 2], peak_tension: f64, in_mv: 
                 kinetic_energy_fj: 0.2 * s,
                 active_work_fj: 3.3e4 * s * s,
                 dissipated_energy_fj: 2e3 * s,
-                momentum_nn_ms: 0.0,
-                angular_momentum_nn_um_ms: 0.0,
+                ..Sample::STILL
             }
         })
         .collect();

@@ -28,12 +28,12 @@ enum Kind {
 }
 
 impl Kind {
-    const fn unit_and_range(self) -> (&'static str, f64, f64) {
+    const fn unit_and_range(self) -> (&'static str, [f64; 2]) {
         match self {
-            Self::Level => ("", -10.0, 10.0),
-            Self::Time => ("ms", 1e-3, 1e6),
-            Self::Slope => ("", 0.0, 1e4),
-            Self::Divisor => ("", 1e-6, 1e3),
+            Self::Level => ("", [-10.0, 10.0]),
+            Self::Time => ("ms", [1e-3, 1e6]),
+            Self::Slope => ("", [0.0, 1e4]),
+            Self::Divisor => ("", [1e-6, 1e3]),
         }
     }
 }
@@ -104,16 +104,8 @@ pub(in crate::cell) fn rows(values: &[(&'static str, f64, &'static str)]) -> Vec
         .zip(values)
         .map(|(&(name, kind, meaning), &(given, value, source))| {
             assert_eq!(name, given, "order of electrical parameters");
-            let (unit, minimum, maximum) = kind.unit_and_range();
-            Parameter {
-                name: name.into(),
-                value,
-                unit: unit.into(),
-                minimum,
-                maximum,
-                meaning: meaning.into(),
-                source: source.into(),
-            }
+            let (unit, range) = kind.unit_and_range();
+            Parameter::new(name, value, unit, range, meaning, source)
         })
         .collect()
 }

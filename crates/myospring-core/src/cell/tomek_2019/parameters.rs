@@ -100,19 +100,11 @@ pub(super) fn rows(cell: usize, tau_j_ca: f64) -> Vec<Parameter> {
         let minimum = if POSITIVE.contains(&name) { 1e-3 * value } else { 0.0 };
         let maximum = if PARTS.contains(&name) { 1.0 } else { 100.0 * values[cell].max(1e-9) };
         let source = if values[0] == values[cell] {
-            "tomek_2019, code of the authors".into()
+            "tomek_2019, code of the authors".to_owned()
         } else {
-            format!("tomek_2019, code of the authors, {}", CELLS[cell]).into()
+            format!("tomek_2019, code of the authors, {}", CELLS[cell])
         };
-        Parameter {
-            name: name.into(),
-            value,
-            unit: unit.into(),
-            minimum,
-            maximum,
-            meaning: meaning.into(),
-            source,
-        }
+        Parameter::new(name, value, unit, [minimum, maximum], meaning, source)
     };
     ROWS.iter().map(row).collect()
 }

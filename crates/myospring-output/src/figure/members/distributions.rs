@@ -137,17 +137,9 @@ fn chart(one: &Distribution, bars: &Bars) -> Chart {
         }
     }
     let x = Axis { range: [first, last], ..Axis::across(&one.metric.label, [first, last], 100.0) };
-    let marks = one.usual.into_iter().collect();
     let y = Axis::values("Members", [0.0, most], HEIGHT);
-    Chart {
-        place: [0.0; 2],
-        size: [0.0, HEIGHT],
-        x,
-        y,
-        curves: Vec::new(),
-        bands: Vec::new(),
-        marks,
-    }
+    let marks = one.usual.into_iter().collect();
+    Chart { marks, ..Chart::new(0.0, HEIGHT, [x, y], Vec::new()) }
 }
 
 fn draw(sheet: &mut Sheet, chart: &Chart, one: &Distribution, bars: &Bars, offset: f64) {

@@ -80,15 +80,12 @@ pub fn responses(curves: &[MemberResponse]) -> Result<Figure, FigureError> {
         let values = same.clone().flat_map(|one| &one.points).map(|point| point[1]);
         let range = ends(values.chain(same.filter_map(|one| one.band).flatten()));
         let over = ends(one.points.iter().map(|point| point[0]));
-        let curve = Curve { points: one.points.clone(), colour: POTENTIAL, dash: None };
+        let x = Axis::across(&one.parameter, over.unwrap_or([0.0, 1.0]), 150.0);
+        let axes = [x, Axis::upright("", range.unwrap_or([0.0, 1.0]), HEIGHT)];
         Chart {
-            place: [0.0; 2],
-            size: [0.0, HEIGHT],
-            x: Axis::across(&one.parameter, over.unwrap_or([0.0, 1.0]), 150.0),
-            y: Axis::upright("", range.unwrap_or([0.0, 1.0]), HEIGHT),
-            curves: vec![curve],
             bands: one.band.into_iter().collect(),
             marks: one.usual.into_iter().collect(),
+            ..Chart::new(0.0, HEIGHT, axes, vec![Curve::solid(one.points.clone(), POTENTIAL)])
         }
     };
     let mut charts: Vec<Chart> = curves.iter().map(chart).collect();
@@ -151,23 +148,13 @@ fn lines(sheet: &mut Sheet, map: &ResponseMap, bottom: f64) -> f64 {
             let at = |(place, &x): (usize, &f64)| {
                 [x, values.get(place * second.len() + line).copied().unwrap_or(f64::NAN)]
             };
-            Curve {
-                points: first.iter().enumerate().map(at).collect(),
-                colour: colour(line),
-                dash: None,
-            }
+            Curve::solid(first.iter().enumerate().map(at).collect(), colour(line))
         };
         let over = ends(first.iter().copied()).unwrap_or([0.0, 1.0]);
         let range = ends(values.iter().copied()).unwrap_or([0.0, 1.0]);
-        Chart {
-            place: [0.0; 2],
-            size: [0.0, HEIGHT],
-            x: Axis::across(&map.parameters[0], over, 150.0),
-            y: Axis::upright("", range, HEIGHT),
-            curves: (0..second.len()).map(curve).collect(),
-            bands: Vec::new(),
-            marks: Vec::new(),
-        }
+        let axes =
+            [Axis::across(&map.parameters[0], over, 150.0), Axis::upright("", range, HEIGHT)];
+        Chart::new(0.0, HEIGHT, axes, (0..second.len()).map(curve).collect())
     };
     let mut charts: Vec<Chart> = map.metrics.iter().map(chart).collect();
     let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
@@ -205,15 +192,11 @@ fn coloured(sheet: &mut Sheet, map: &ResponseMap, index: usize, metric: &str, va
     let (place, width) = placed(index, 46.0, 46.0);
     let spread = |fields: &[f64]| [fields[0], fields[fields.len() - 1]];
     let exactly = |axis: Axis, range: [f64; 2]| Axis { range, ..axis };
-    let chart = Chart {
-        place,
-        size: [width, HEIGHT],
-        x: exactly(Axis::across(&map.parameters[0], spread(&across), width), spread(&across)),
-        y: exactly(Axis::upright(&map.parameters[1], spread(&upward), HEIGHT), spread(&upward)),
-        curves: Vec::new(),
-        bands: Vec::new(),
-        marks: Vec::new(),
-    };
+    let axes = [
+        exactly(Axis::across(&map.parameters[0], spread(&across), width), spread(&across)),
+        exactly(Axis::upright(&map.parameters[1], spread(&upward), HEIGHT), spread(&upward)),
+    ];
+    let chart = Chart { place, size: [width, HEIGHT], ..Chart::new(0.0, HEIGHT, axes, Vec::new()) };
     for column in 0..map.values[0].len() {
         for row in 0..map.values[1].len() {
             let value = values.get(column * map.values[1].len() + row).copied();

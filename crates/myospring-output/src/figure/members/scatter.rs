@@ -65,15 +65,9 @@ pub fn scatter(given: &Scatter) -> Result<Figure, FigureError> {
     let mut charts: Vec<Chart> = Vec::new();
     for (index, parameter) in given.parameters.iter().enumerate() {
         let Some(over) = ends(parameter.finite()) else { continue };
-        let mut chart = Chart {
-            place: [0.0; 2],
-            size: [0.0, HEIGHT],
-            x: Axis::across(&parameter.label, over, 0.0),
-            y: Axis { labelled: index % COLUMNS == 0, ..y.clone() },
-            curves: Vec::new(),
-            bands: Vec::new(),
-            marks: Vec::new(),
-        };
+        let y = Axis { labelled: index % COLUMNS == 0, ..y.clone() };
+        let axes = [Axis::across(&parameter.label, over, 0.0), y];
+        let mut chart = Chart::new(0.0, HEIGHT, axes, Vec::new());
         offset = chart.label_offset();
         let left = MARGIN + offset;
         let width = (DOUBLE - left - MARGIN - GAP * (COLUMNS - 1) as f64) / COLUMNS as f64;

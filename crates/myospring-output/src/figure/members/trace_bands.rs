@@ -1,6 +1,6 @@
 //! Curves of many members over time: median, and bands of 50 % and 90 % of the members.
 
-use super::super::chart::{Axis, Chart, Curve};
+use super::super::chart::{Axis, Chart, Curve, align};
 use super::super::sheet::{Look, Path, Sheet, Style};
 use super::super::theme::{Colour, INK, LETTER, POTENTIAL, SHORTENING, SINGLE, TENSION};
 use super::super::{Figure, FigureError};
@@ -54,28 +54,18 @@ pub fn trace_bands(
             return Err(FigureError::NoSamples { what: format!("\"{}\"", panel.label) });
         };
         let [median, ..] = COLOURS[row % COLOURS.len()];
-        let mut curves =
-            vec![Curve { points: over(&panel.quantiles[2]), colour: median, dash: None }];
+        let mut curves = vec![Curve::solid(over(&panel.quantiles[2]), median)];
         if !panel.usual.is_empty() {
             let dash = Some([3.0, 2.0]);
             curves.push(Curve { points: over(&panel.usual), colour: INK, dash });
         }
-        charts.push(Chart {
-            place: [0.0, 8.0 + row as f64 * (HEIGHT + GAP)],
-            size: [0.0, HEIGHT],
-            x: Axis { labelled: row + 1 == panels.len(), ..Axis::time(times) },
-            y: Axis::values(&panel.label, range, HEIGHT),
-            curves,
-            bands: Vec::new(),
-            marks: Vec::new(),
-        });
+        let x = Axis { labelled: row + 1 == panels.len(), ..Axis::time(times) };
+        let axes = [x, Axis::values(&panel.label, range, HEIGHT)];
+        charts.push(Chart::new(8.0 + row as f64 * (HEIGHT + GAP), HEIGHT, axes, curves));
     }
-    let offset = charts.iter().map(Chart::label_offset).fold(0.0, f64::max);
-    let left = 30.0 + offset;
+    let offset = align(&mut charts, 30.0, SINGLE - 15.0);
     let mut sheet = Sheet::default();
-    for (row, (chart, panel)) in charts.iter_mut().zip(panels).enumerate() {
-        chart.place[0] = left;
-        chart.size[0] = SINGLE - 15.0 - left;
+    for (row, (chart, panel)) in charts.iter().zip(panels).enumerate() {
         let [_, half, most] = COLOURS[row % COLOURS.len()];
         for ([low, high], colour) in [([0, 4], most), ([1, 3], half)] {
             let there = |values: &[f64]| -> Vec<[f64; 2]> {
@@ -102,6 +92,6 @@ pub fn trace_bands(
     if panels.iter().any(|panel| !panel.usual.is_empty()) {
         entries.push((Mark::Dashed(INK), "unchanged run".to_owned()));
     }
-    let height = legend(&mut sheet, [left, bottom], SINGLE - 4.0, &entries);
+    let height = legend(&mut sheet, [30.0 + offset, bottom], SINGLE - 4.0, &entries);
     Ok(sheet.finish(SINGLE, bottom + height + 6.0))
 }

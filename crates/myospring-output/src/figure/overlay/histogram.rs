@@ -46,17 +46,9 @@ pub(super) fn draw_histogram(
     let x =
         Axis { label: "Sarcomere length (\u{b5}m)".to_owned(), range, step: 0.2, labelled: true };
     let y = Axis::values("Share (%)", [0.0, highest], SIZE[1]);
-    let mut chart = Chart {
-        place: [left, top + ABOVE],
-        size: SIZE,
-        x,
-        y,
-        curves: Vec::new(),
-        bands: Vec::new(),
-        marks: Vec::new(),
-    };
+    let mut chart = Chart::new(top + ABOVE, SIZE[1], [x, y], Vec::new());
     let offset = chart.label_offset();
-    chart.place[0] += offset + 10.0;
+    (chart.place[0], chart.size[0]) = (left + offset + 10.0, SIZE[0]);
     for (count, at) in counts.into_iter().zip(first..) {
         let [from, to] = [at, at + 1].map(|bin| bin as f64 * BAR_UM);
         let ([x, upper], [right, lower]) = (chart.at([from, share(count)]), chart.at([to, 0.0]));

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::super::FigureError;
+use super::super::lattice::{spacing, springs};
 use super::super::photograph::{Part, embedded};
 use super::super::sheet::{Anchor, Area, Path, Sheet, Stroke, Style};
 use super::super::theme::{BLACK, Colour, TICK, WHITE};
@@ -183,16 +184,11 @@ impl Panel {
 
     /// Draws the springs along the axes, faintly, unless the lattice is too fine.
     fn draw_lattice(&self, sheet: &mut Sheet, mesh: &Mesh) {
-        let mean = (mesh.area() / mesh.len() as f64).sqrt();
-        let spacing = mesh.lattice.as_ref().map_or(mean, |lattice| lattice.spacing);
-        if spacing * self.scale < FINEST {
+        if spacing(mesh) * self.scale < FINEST {
             return;
         }
-        let mut path = Path::default();
-        for spring in mesh.springs.iter().filter(|spring| spring.kind == SpringKind::Axial) {
-            path.add_line(spring.nodes.map(|node| self.at(mesh.point(node as usize))));
-        }
-        sheet.path(path, Stroke::new(WHITE, 0.4).opacity(0.4));
+        let lines = springs(mesh, SpringKind::Axial, 1, |node| self.at(mesh.point(node)));
+        sheet.path(lines, Stroke::new(WHITE, 0.4).opacity(0.4));
     }
 
     /// Draws short lines along the fibres, one in each square of the drawing: the one nearest to

@@ -1,7 +1,7 @@
 //! `report.html` of analysed curves.
 
 use super::curve::AnalysedCurve;
-use super::record::{Mean, conventions, means};
+use super::record::{KEY, Mean, conventions, means};
 use crate::analysis::curve::{Analysis, CurveBeat, State};
 use crate::experiment::legible::number;
 use crate::output::figure::Measured;
@@ -15,53 +15,6 @@ use std::collections::BTreeSet;
 const DRAWN: usize = 40;
 /// Rows of a table of all curves or all beats, at most.
 const ROWS: usize = 1000;
-
-/// The metrics that a reader looks at first; of the alternatives in a row, the one that the curve
-/// has.
-const KEY: [(&str, &[&str]); 6] = [
-    ("interval", &["interval"]),
-    (
-        "at rest",
-        &["resting_length", "baseline", "resting_tension", "diastolic_level", "resting_potential"],
-    ),
-    (
-        "amplitude",
-        &[
-            "peak_shortening",
-            "peak_amplitude",
-            "developed_tension",
-            "transient_amplitude",
-            "action_potential_amplitude",
-        ],
-    ),
-    (
-        "time to peak",
-        &[
-            "time_to_peak_from_stimulus",
-            "time_to_peak_tension",
-            "time_to_peak_from_onset",
-            "time_to_peak_tension_from_onset",
-        ],
-    ),
-    (
-        "half back",
-        &[
-            "relaxation_time_50",
-            "tension_relaxation_time_50",
-            "decay_time_50",
-            "action_potential_duration_50",
-        ],
-    ),
-    (
-        "90 % back",
-        &[
-            "relaxation_time_90",
-            "tension_relaxation_time_90",
-            "decay_time_90",
-            "action_potential_duration_90",
-        ],
-    ),
-];
 
 /// The page.
 pub(super) fn html(all: &[AnalysedCurve], warnings: Vec<String>) -> Result<String, PageError> {
@@ -147,7 +100,7 @@ fn answer(all: &[AnalysedCurve], found: &[Found<'_>]) -> Answer {
         format!("{counted} of {beats} beat{plural} count{of}")
     };
     if let [Found { analysis, .. }] = found
-        && let Some(mean) = key(&means(analysis), KEY[2].1)
+        && let Some(mean) = Mean::first(&means(analysis), KEY[2].1)
         && let Some(value) = mean.in_words()
     {
         words = format!("{words}; {} {value}", metric_words(mean.name));
@@ -155,10 +108,6 @@ fn answer(all: &[AnalysedCurve], found: &[Found<'_>]) -> Answer {
     let whole = counted == beats && found.len() == all.len();
     let quality = if whole { Quality::Good } else { Quality::Fair };
     Answer { words: format!("{words}."), quality }
-}
-
-fn key<'a>(means: &'a [Mean], names: &[&str]) -> Option<&'a Mean> {
-    means.iter().find(|mean| names.contains(&mean.name) && mean.mean.is_some())
 }
 
 fn cell(mean: &Mean) -> TableCell {
@@ -177,7 +126,7 @@ fn tiles(analysis: &Analysis) -> Part<'static> {
             .collect(),
         ..Tile::new(metric_words(mean.name), TableCell { spread: None, ..cell(mean) })
     };
-    Part::Tiles(KEY.iter().filter_map(|(_, names)| key(&means, names)).map(tile).collect())
+    Part::Tiles(KEY.iter().filter_map(|(_, names)| Mean::first(&means, names)).map(tile).collect())
 }
 
 /// A row for each curve.
@@ -201,10 +150,9 @@ fn by_curve(all: &[AnalysedCurve], several: bool) -> Table {
             Ok(analysis) => {
                 let means = means(analysis);
                 cells.push(TableCell::number(Some(analysis.counted().len() as f64)));
-                cells
-                    .extend(KEY.iter().map(|(_, names)| {
-                        key(&means, names).map_or_else(TableCell::default, cell)
-                    }));
+                cells.extend(KEY.iter().map(|(_, names)| {
+                    Mean::first(&means, names).map_or_else(TableCell::default, cell)
+                }));
             }
         }
         Row { cells, marked: read.found.is_err() }

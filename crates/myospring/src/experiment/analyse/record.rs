@@ -6,6 +6,52 @@ use crate::analysis::{self, Missing, Spread};
 use crate::experiment::legible::number;
 use serde::Serialize;
 
+/// The metrics that a reader looks at first; of the alternatives in a row, the one that the curve has.
+pub const KEY: [(&str, &[&str]); 6] = [
+    ("interval", &["interval"]),
+    (
+        "at rest",
+        &["resting_length", "baseline", "resting_tension", "diastolic_level", "resting_potential"],
+    ),
+    (
+        "amplitude",
+        &[
+            "peak_shortening",
+            "peak_amplitude",
+            "developed_tension",
+            "transient_amplitude",
+            "action_potential_amplitude",
+        ],
+    ),
+    (
+        "time to peak",
+        &[
+            "time_to_peak_from_stimulus",
+            "time_to_peak_tension",
+            "time_to_peak_from_onset",
+            "time_to_peak_tension_from_onset",
+        ],
+    ),
+    (
+        "half back",
+        &[
+            "relaxation_time_50",
+            "tension_relaxation_time_50",
+            "decay_time_50",
+            "action_potential_duration_50",
+        ],
+    ),
+    (
+        "90 % back",
+        &[
+            "relaxation_time_90",
+            "tension_relaxation_time_90",
+            "decay_time_90",
+            "action_potential_duration_90",
+        ],
+    ),
+];
+
 /// All numbers of an analysis: `summary.json`.
 #[derive(Serialize)]
 pub struct AnalysisRecord<'a> {
@@ -136,6 +182,11 @@ pub fn conventions(treatment: &Treatment) -> String {
 }
 
 impl Mean {
+    /// The first of these metrics that has a value.
+    pub fn first<'a>(means: &'a [Self], names: &[&str]) -> Option<&'a Self> {
+        means.iter().find(|mean| names.contains(&mean.name) && mean.mean.is_some())
+    }
+
     /// `9.81 ± 0.12 %`; `None` where no beat shows it.
     pub fn in_words(&self) -> Option<String> {
         let spread = self.standard_deviation.map(|spread| format!(" \u{b1} {}", number(spread)));

@@ -1,11 +1,11 @@
 //! `report.html` of a comparison: the same page as that of a run, with all of them.
 
 use super::side::{Shown, Side};
+use crate::analysis::summary::Summary;
 use crate::experiment::run::{FILE, parameters};
 use crate::experiment::{ExperimentError, Folder, Inputs, Observer, citations};
 use crate::output::field::Field;
 use crate::output::page::{self, Difference, Page, PageRun, Runs};
-use crate::output::report::Summary;
 use crate::simulation::Pace;
 
 /// Text and numbers of a run that its page borrows.
@@ -21,7 +21,8 @@ impl Owned {
         let pace = Pace::of(&*shown.run.cell, shown.run.support, &side.beats());
         let report = shown.report.clone();
         Self {
-            summary: Summary::new(recording, stimuli, *s2_ms, report, Vec::new()).with_pace(&pace),
+            summary: Summary::new(recording, stimuli, *s2_ms, report, Vec::new())
+                .with_about_model(pace.about_model()),
             run_file: inputs.renamed(side.file.clone(), "../").to_toml(),
             citations: citations::bibtex(&*shown.run.cell),
         }

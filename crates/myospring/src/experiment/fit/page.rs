@@ -2,6 +2,7 @@
 
 use super::outcome::{Fits, Shared};
 use super::{tables, words};
+use crate::analysis::summary::Summary;
 use crate::cell::CellModel;
 use crate::experiment::run::parameters;
 use crate::experiment::{ExperimentError, citations};
@@ -12,7 +13,6 @@ use crate::output::page::{
     self, Answer, Chart, Drawing, Page, PageRun, Part, Quality, Runs, Section, TableCell as Entry,
     Tile, VerdictMark,
 };
-use crate::output::report::Summary;
 use crate::settings::Run;
 use crate::simulation::{Outcome, Simulation};
 
@@ -30,7 +30,7 @@ pub(super) fn html(
     let report = work.report.clone();
     let summary =
         Summary::new(&outcome.recording, &outcome.stimulus_times_ms, None, report, Vec::new())
-            .with_pace(&simulation.pace(&outcome.beats()));
+            .with_about_model(simulation.pace(&outcome.beats()).about_model());
     let citations = citations::bibtex(model);
     let title = format!("Fit of {cell}");
     let frames: usize = fit.curves.iter().map(|curve| curve.times_ms.len()).sum();

@@ -1,8 +1,8 @@
 //! A finished run.
 
 use super::record::Timings;
+use crate::analysis::summary::Summary;
 use crate::experiment::Files;
-use crate::output::report::Summary;
 use crate::settings::{FibreReport, MeshedRun, Run};
 use crate::simulation::{Effort, Outcome};
 use serde::Serialize;
@@ -54,7 +54,7 @@ impl FinishedRun {
         let (stimuli, s2_ms) = (run.stimulus_times(), run.s2_ms());
         let summary =
             Summary::new(&outcome.recording, &stimuli, s2_ms, made.report.clone(), warnings)
-                .with_pace(&made.simulation.pace(&outcome.beats()));
+                .with_about_model(made.simulation.pace(&outcome.beats()).about_model());
         let timings = Timings::default();
         Self { name, run, shape_sha256, made, outcome, summary, timings, files }
     }

@@ -1,7 +1,7 @@
 //! One row of the table: a cell, or a picture that failed.
 
+use crate::analysis::summary::Summary;
 use crate::microscopy::cells::{PictureCell, PictureCells};
-use crate::output::report::Summary;
 use crate::output::table::{Column, Table, column_name};
 use crate::settings::{FibreReport, SeenReport};
 use crate::study::{Row, Status};

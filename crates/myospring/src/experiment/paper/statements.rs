@@ -1,7 +1,7 @@
 //! Compares every number that the paper states with ours, with a computed verdict.
 
-use myospring_core::analysis::beat::{Beat, beats};
-use myospring_core::recording::Recording;
+use crate::analysis::beat::{Beat, beats};
+use crate::recording::Recording;
 use serde::Serialize;
 
 /// Whether a statement of the paper is met.
@@ -50,21 +50,21 @@ pub struct Finding {
 
 /// One run of the paper's Fig. 6.
 #[derive(Debug, Clone, Copy)]
-pub struct PaperRun<'a> {
+pub(super) struct PaperRun<'a> {
     /// Peak tension asked for, kPa.
-    pub peak_tension: f64,
+    pub(super) peak_tension: f64,
     /// What was recorded.
-    pub recording: &'a Recording,
+    pub(super) recording: &'a Recording,
 }
 
 /// Peak tensions of the paper's Fig. 6, kPa.
-pub const TENSIONS: [f64; 3] = [30.0, 40.0, 50.0];
+pub(super) const TENSIONS: [f64; 3] = [30.0, 40.0, 50.0];
 
 /// Compares runs at rising tension, stimulated once at `stimulus_ms`, with `coelho_2021`.
 ///
 /// `equations` is the number of state variables of the cell model, `weights` the masses up to a
 /// factor. A number that a run does not have makes its verdict `NotMet`.
-pub fn with_paper(
+pub(super) fn with_paper(
     runs: &[PaperRun<'_>],
     stimulus_ms: f64,
     equations: usize,

@@ -1,12 +1,10 @@
 //! The numbers of one run, each with unit and definition.
 
-use myospring_core::analysis::beat::{Band, Beat, Beats};
-use myospring_core::analysis::rhythm::Rhythm;
-use myospring_core::analysis::{Metric, Spread};
-use myospring_core::cell::KnownDeparture;
-use myospring_core::mesh::quality::MeshReport;
-use myospring_core::recording::Recording;
-use myospring_core::simulation::Pace;
+use super::beat::{Band, Beat, Beats};
+use super::rhythm::Rhythm;
+use super::{Metric, Spread};
+use crate::mesh::quality::MeshReport;
+use crate::recording::Recording;
 use serde::Serialize;
 
 /// The numbers of a run.
@@ -62,10 +60,10 @@ impl Summary {
         }
     }
 
-    /// Adds a known property of the cell model, if this run shows it.
+    /// Adds a known property of the cell model that this run shows, in a sentence.
     #[must_use]
-    pub fn with_pace(self, pace: &Pace) -> Self {
-        Self { about_model: about_model(pace), ..self }
+    pub fn with_about_model(self, about_model: Option<String>) -> Self {
+        Self { about_model, ..self }
     }
 
     /// The beat that represents the run if there is no mean: the first that counts.
@@ -81,15 +79,5 @@ impl Summary {
     /// The beat of the extra stimulus, if there is one.
     pub fn s2(&self) -> Option<&Beat> {
         self.beats.last().filter(|last| last.is_s2())
-    }
-}
-
-/// A known property of a cell model that a run shows, in a sentence.
-pub fn about_model(pace: &Pace) -> Option<String> {
-    match pace {
-        Pace::AsItsModel(KnownDeparture { fact, instead, .. }) => {
-            Some(format!("{fact}; `--model {instead}` does not."))
-        }
-        Pace::AsMeasured | Pace::Unexplained { .. } => None,
     }
 }
