@@ -12,13 +12,12 @@ use super::error::ExperimentError;
 use super::files::Files;
 use super::observer::Observer;
 use super::watched::Watched;
-use crate::interruption::Interruption;
 use crate::output::files::Manifest;
 use crate::study::parameters::{
     Answer, Common, ParameterStudy, Shard, Variation, VariationRow, merge_traces, run,
     with_whole_curves,
 };
-use crate::study::{self, Journal, Row as _, Status, Threads};
+use crate::study::{Journal, Threads};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
