@@ -3,7 +3,6 @@
 //! `cargo xtask test` checks everything; `cargo xtask help` lists the rest.
 
 mod bench;
-mod build_times;
 mod licences;
 mod python;
 mod test;
@@ -11,7 +10,7 @@ mod tools;
 mod verify;
 
 use std::process::{Command, ExitCode};
-use tools::{cargo, root, say, step};
+use tools::{cargo, root, say, step, temporary};
 
 const HELP: &str = "\
 Developer commands of Myospring.
@@ -22,7 +21,6 @@ Commands:
   test         Format, lints, tests, documentation, licences and the example run files: all that must pass
   verify       Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
   bench        Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
-  build-times  Measure builds from nothing, beside another commit; `cargo xtask build-times --help` says more
   licences     Collect the licences that wheels and archives carry
   figures      Make pictures and film of README and documentation anew with the program itself
   help         This text
@@ -34,7 +32,6 @@ fn main() -> ExitCode {
         Some("test") => test::run(),
         Some("verify") => verify::run(std::env::args().skip(2).collect()),
         Some("bench") => bench::run(std::env::args().skip(2).collect()),
-        Some("build-times") => build_times::run(std::env::args().skip(2).collect()),
         Some("licences") => licences::run(),
         Some("figures") => figures(),
         Some("help" | "--help" | "-h") => {
@@ -55,7 +52,7 @@ fn main() -> ExitCode {
 
 /// Pictures and film of README and documentation, made by the program and, of its report, by a browser.
 fn figures() -> Result<(), String> {
-    let results = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+    let results = temporary()?;
     let beat = results.path().join("beat");
     let mut command = cargo(["run", "--quiet", "--release", "--locked", "--", "run", "--output"]);
     command.arg(&beat).args(["--outputs", "report,figures,gif"]);

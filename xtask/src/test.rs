@@ -4,8 +4,8 @@ mod package;
 pub(crate) mod page;
 mod tally;
 
-use crate::python;
-use crate::tools::{cargo, program, root, say, step};
+use crate::python::{self, Python};
+use crate::tools::{cargo, program, root, say, step, temporary};
 use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
@@ -162,8 +162,7 @@ impl Checks {
             command.args(["run", "--dry-run"]).arg(example);
             self.step(&format!("run file {}", example.display()), command)?;
         }
-        let results =
-            tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+        let results = temporary()?;
         let mut command = myospring();
         command.args(["run", "--output"]).arg(results.path().join("beat"));
         self.step("the main job: myospring run", command)
@@ -172,20 +171,11 @@ impl Checks {
     /// What a run leaves, read by NumPy, VTK and meshio; the guide's examples.
     fn results(&mut self) -> Result<(), String> {
         let name = "results read by NumPy, VTK and meshio";
-        let found = python::find_or_make(
-            "MYOSPRING_RESULTS_PYTHON",
-            "target/results/venv",
-            "verification/results.txt",
-        );
-        let python = match found {
-            Ok(python) => python,
-            Err(why) => {
-                self.skip(name, &why);
-                return Ok(());
-            }
-        };
-        let folder =
-            tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+        let requirements = "verification/results.txt";
+        let found =
+            self.python(name, "MYOSPRING_RESULTS_PYTHON", "target/results/venv", requirements);
+        let Some(python) = found else { return Ok(()) };
+        let folder = temporary()?;
         let beat = folder.path().join("beat");
         let mut run = Command::new(program("debug", "myospring"));
         run.current_dir(root()).args(["run", "--integrator", "quasi-static", "--outputs"]);
@@ -194,6 +184,18 @@ impl Checks {
         let mut read = python.script(&root().join("verification/python/read_results.py"));
         read.arg(&beat).arg(root().join("docs/reference/results.md"));
         self.step(name, read)
+    }
+
+    /// The Python with what a check needs; without it the check is skipped.
+    fn python(
+        &mut self,
+        name: &'static str,
+        named: &str,
+        folder: &str,
+        requirements: &str,
+    ) -> Option<Python> {
+        let found = python::find_or_make(named, folder, requirements);
+        found.map_err(|why| self.skip(name, &why)).ok()
     }
 
     fn step(&mut self, name: &str, command: Command) -> Result<(), String> {
@@ -213,8 +215,7 @@ impl Checks {
 
     /// Runs tests, shows what they print and adds up their outcomes.
     fn tests(&mut self, name: &str, command: &mut Command) -> Result<(), String> {
-        let folder =
-            tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+        let folder = temporary()?;
         let notes = folder.path().join("skipped");
         command.env("MYOSPRING_SKIPPED_TESTS", &notes).stdout(Stdio::piped());
         let mut output = String::new();

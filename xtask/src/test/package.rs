@@ -1,8 +1,8 @@
 //! The Python package: its wheel, as the tests have built its parts, in an environment of its own.
 
 use super::Checks;
-use crate::tools::root;
-use crate::{licences, python};
+use crate::licences;
+use crate::tools::{root, temporary};
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -11,20 +11,11 @@ impl Checks {
     /// of the part in Rust is so.
     pub(super) fn package(&mut self) -> Result<(), String> {
         let name = "the Python package: pytest, mypy and stubtest";
-        let found = python::find_or_make(
-            "MYOSPRING_PACKAGE_PYTHON",
-            "target/python/venv",
-            "crates/myospring-py/requirements.txt",
-        );
-        let python = match found {
-            Ok(python) => python,
-            Err(why) => {
-                self.skip(name, &why);
-                return Ok(());
-            }
-        };
-        let folder =
-            tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+        let requirements = "crates/myospring-py/requirements.txt";
+        let found =
+            self.python(name, "MYOSPRING_PACKAGE_PYTHON", "target/python/venv", requirements);
+        let Some(python) = found else { return Ok(()) };
+        let folder = temporary()?;
         let within = |mut command: Command| {
             command.current_dir(source());
             command

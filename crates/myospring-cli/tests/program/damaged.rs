@@ -199,7 +199,8 @@ fn avi() -> Vec<u8> {
     chunk(b"RIFF", &body)
 }
 
-fn mask() -> Vec<u8> {
+/// A mask of one cell, PNG.
+pub(crate) fn mask() -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, 80, 80).write_header().unwrap();
     let inside = |at: usize| (10..70).contains(&(at % 80)) && (20..60).contains(&(at / 80));

@@ -1,5 +1,6 @@
 //! Damaged and mistaken commands, as a table: what a person has must be there afterwards, byte for byte.
 
+use super::damaged::mask;
 use super::{myospring, stderr};
 use std::collections::BTreeMap;
 use std::fs;
@@ -113,12 +114,7 @@ fn workplace(at: &Path) {
     for folder in ["A", "C", "D", "F", "P", "S", "T", "linked"] {
         fs::create_dir(at.join(folder)).unwrap();
     }
-    let mut png = Vec::new();
-    let mut encoder = png::Encoder::new(&mut png, 80, 80).write_header().unwrap();
-    let inside = |at: usize| (10..70).contains(&(at % 80)) && (20..60).contains(&(at / 80));
-    let pixels: Vec<u8> = (0..6400).map(|at| if inside(at) { 255 } else { 0 }).collect();
-    encoder.write_image_data(&pixels).unwrap();
-    drop(encoder);
+    let png = mask();
     let beat = |t: f64| 100.0 - 8.0 * (-((t % 1000.0 - 300.0) / 80.0).powi(2)).exp();
     let rows = (0..150).map(|row| format!("{},{}\n", 20 * row, beat(20.0 * f64::from(row))));
     let curve = std::iter::once("time_ms,length_um\n".to_owned()).chain(rows).collect::<String>();

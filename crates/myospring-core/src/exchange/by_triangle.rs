@@ -38,7 +38,7 @@ const STEEPER: f64 = 2.0;
 /// };
 /// let protocols: Vec<Protocol> = mesh.simplices.iter().map(protocol).collect();
 /// let settings = model.usual_settings();
-/// let wave = ByTriangle::new(Arc::new(model), &protocols, settings, 1.0)?;
+/// let wave = ByTriangle::new(Arc::new(model), None, &protocols, settings, 1.0)?;
 /// let mut simulation = Simulation {
 ///     activation: Some(Box::new(wave)),
 ///     duration: 50.0,
@@ -70,27 +70,14 @@ pub struct ByTriangle {
 }
 
 impl ByTriangle {
-    /// Creates cells in their initial state, one per protocol; `scale` is in kPa per unit of the
-    /// model's tension.
+    /// Creates cells in this state at 0 ms, by default the initial one, one per protocol; `scale` is in kPa per unit
+    /// of the model's tension.
     ///
     /// Beats are measured from the stimuli of the triangle that is stimulated first.
     ///
     /// # Errors
-    /// A protocol or settings that the model cannot follow.
+    /// A protocol or settings that the model cannot follow, and a state that does not fit it.
     pub fn new(
-        model: Arc<dyn CellModel>,
-        protocols: &[Protocol],
-        settings: SolverSettings,
-        scale: f64,
-    ) -> Result<Self, SolveError> {
-        Self::starting_from(model, None, protocols, settings, scale)
-    }
-
-    /// Does what [`ByTriangle::new`] does, with each cell in this state at 0 ms.
-    ///
-    /// # Errors
-    /// Those of [`ByTriangle::new`], and a state that does not fit the model.
-    pub fn starting_from(
         model: Arc<dyn CellModel>,
         state: Option<&[f64]>,
         protocols: &[Protocol],

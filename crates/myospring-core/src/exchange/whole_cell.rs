@@ -33,26 +33,12 @@ pub struct WholeCell {
 }
 
 impl WholeCell {
-    /// Creates a cell in its initial state and computes its bounds; `scale` is in kPa per unit of
-    /// the model's tension.
+    /// Creates a cell in this state at 0 ms, by default the initial one, with its bounds; `scale` is in kPa per unit
+    /// of the model's tension.
     ///
     /// # Errors
-    /// A protocol or settings that the model cannot follow.
+    /// A protocol or settings that the model cannot follow, and a state that does not fit it.
     pub fn new(
-        model: Arc<dyn CellModel>,
-        protocol: Protocol,
-        settings: SolverSettings,
-        scale: f64,
-        strongest: ActivationBounds,
-    ) -> Result<Self, SolveError> {
-        Self::starting_from(model, None, protocol, settings, scale, strongest)
-    }
-
-    /// Does what [`WholeCell::new`] does, in another state at 0 ms.
-    ///
-    /// # Errors
-    /// Those of [`WholeCell::new`], and a state that does not fit the model.
-    pub fn starting_from(
         model: Arc<dyn CellModel>,
         state: Option<&[f64]>,
         protocol: Protocol,

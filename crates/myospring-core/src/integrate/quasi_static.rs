@@ -112,29 +112,17 @@ impl<'a, const D: usize> Path<'a, D> {
         largest_tension: f64,
         tolerance: Tolerance,
     ) -> Result<Self, PathError> {
-        let mut path = Self::start(system, body, tolerance)?;
+        let mut path = Self::start(system, body, tolerance, &Interruption::default())?;
         path.extend(largest_tension)?;
         Ok(path)
     }
 
     /// Computes the path's first point, the body without tension; [`Path::extend`] continues from
-    /// there.
+    /// there. The search can be interrupted, now and later.
     ///
     /// # Errors
-    /// Unsupported forces; a body that is unstable without tension.
+    /// Unsupported forces; a body that is unstable without tension; [`PathError::Interrupted`].
     pub fn start(
-        system: &'a System<D>,
-        body: &'a Body<D>,
-        tolerance: Tolerance,
-    ) -> Result<Self, PathError> {
-        Self::start_interruptible(system, body, tolerance, &Interruption::default())
-    }
-
-    /// Like [`Path::start`], for a path whose search can be interrupted, now and later.
-    ///
-    /// # Errors
-    /// As [`Path::start`]; [`PathError::Interrupted`].
-    pub fn start_interruptible(
         system: &'a System<D>,
         body: &'a Body<D>,
         tolerance: Tolerance,

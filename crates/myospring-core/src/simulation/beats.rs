@@ -105,7 +105,7 @@ impl Beating<'_> {
         };
         let start = simulation.start_state.as_deref();
         let (cell, stretch) = (Arc::clone(cell), simulation.mean_resting_stretch());
-        let cell = WholeCell::starting_from(cell, start, protocol, settings, scale, bounds)?;
+        let cell = WholeCell::new(cell, start, protocol, settings, scale, bounds)?;
         Ok(cell.at_resting_stretch(stretch))
     }
 }

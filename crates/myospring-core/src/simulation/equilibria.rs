@@ -69,7 +69,7 @@ impl Branch {
     ) -> Result<Self, SetupError> {
         let Simulation { mesh, interruption, .. } = simulation;
         let Assembly { system, body, .. } = &*assembly;
-        let path = Path::start_interruptible(system, body, tolerance, interruption)?;
+        let path = Path::start(system, body, tolerance, interruption)?;
         let curve = Arc::new(Curve::along(&path, mesh, &assembly, interruption)?);
         let shapes = path.into_shapes();
         Ok(Self { assembly, shapes, curve, end: None })

@@ -125,7 +125,7 @@ impl Simulation {
         let start = self.start_state.as_deref();
         if self.has_sites_in_triangles() {
             let protocols = self.protocols();
-            let cells = ByTriangle::starting_from(model, start, &protocols, settings, scale);
+            let cells = ByTriangle::new(model, start, &protocols, settings, scale);
             let cells = cells.map_err(failed)?;
             let cells = match &self.resting_stretch {
                 Some(stretch) => cells.at_resting_stretch(stretch).map_err(failed)?,
@@ -133,8 +133,7 @@ impl Simulation {
             };
             return Ok((Box::new(cells), relative));
         }
-        let cell =
-            WholeCell::starting_from(model, start, self.protocol, settings, scale, strongest);
+        let cell = WholeCell::new(model, start, self.protocol, settings, scale, strongest);
         let cell = cell.map_err(failed)?.at_resting_stretch(self.mean_resting_stretch());
         Ok((Box::new(cell), relative))
     }
@@ -211,7 +210,7 @@ impl Simulation {
         let Assembly { body, system, meter, .. } = &mut assembly;
         body.positions = self.drawn_out(self.end_stretch);
         let tolerance = Tolerance::default();
-        let path = Path::start_interruptible(system, body, tolerance, &self.interruption)?;
+        let path = Path::start(system, body, tolerance, &self.interruption)?;
         let rest = path.positions(0.0).unwrap_or_else(|| body.positions.clone());
         assembly.held_length = meter.measure(&rest).length;
         assembly.body.positions = rest;

@@ -111,32 +111,6 @@ impl CellMotion {
         areas.sum()
     }
 
-    /// Deformation gradient of each triangle in a frame: `[a][b]`, position `a` now by position `b` at rest.
-    ///
-    /// # Panics
-    /// There is no such frame.
-    pub fn deformations(&self, frame: usize) -> Vec<[[f64; 2]; 2]> {
-        let moved = &self.displacements_um[frame];
-        let of = |nodes: [u32; 3]| {
-            let [o, p, q] = nodes.map(|node| node as usize);
-            let edge = |values: &[Vec<f64>; 2], to: usize| {
-                [0, 1].map(|a: usize| values[a][to] - values[a][o])
-            };
-            let [e, g] = [p, q].map(|to| edge(&self.mesh.points, to));
-            let [u, v] = [p, q].map(|to| edge(moved, to));
-            let determinant = e[0] * g[1] - e[1] * g[0];
-            let slope = |a: usize| {
-                [
-                    (u[a] * g[1] - v[a] * e[1]) / determinant,
-                    (v[a] * e[0] - u[a] * g[0]) / determinant,
-                ]
-            };
-            let [[xx, xy], [yx, yy]] = [slope(0), slope(1)];
-            [[1.0 + xx, xy], [yx, 1.0 + yy]]
-        };
-        self.mesh.simplices.iter().map(|triangle| of(triangle.nodes)).collect()
-    }
-
     /// Deformation gradient of the whole cell in each frame: the affine map closest to its motion,
     /// with points weighted by area. Points that were interpolated in more than half of the frames
     /// are left out. (The mean over triangles is not used: by Gauss's theorem it depends only on

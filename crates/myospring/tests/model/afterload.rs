@@ -1,6 +1,7 @@
 //! Cells whose ends are held: how hard they pull, stretched before the beat, and against a constant load.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use super::exchange::run;
 use myospring::integrate::Method;
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::lattice;
@@ -15,12 +16,6 @@ fn strip(support: SupportKind) -> Simulation {
     simulation
 }
 
-fn beat(simulation: &Simulation) -> Outcome {
-    let outcome = simulation.build().unwrap().run(|_progress| true);
-    assert!(outcome.stop.is_none(), "{:?}", outcome.stop);
-    outcome
-}
-
 /// Samples, each with the force at the ends, nN.
 fn pulls(outcome: &Outcome) -> Vec<(&Sample, f64)> {
     let signals = &outcome.recording.signals;
@@ -33,7 +28,7 @@ const SECTION_UM2: f64 = 20.0 * 10.0;
 #[test]
 fn an_isometric_cell_pulls_with_its_tension_times_its_section() {
     // Nothing moves: the active stress is the same everywhere, so it is borne by the clamps alone.
-    let outcome = beat(&strip(SupportKind::ClampedEnds));
+    let outcome = run(&strip(SupportKind::ClampedEnds));
     for (sample, force) in pulls(&outcome) {
         assert!(
             (force - sample.ta_kpa * SECTION_UM2).abs() < 1e-5,
@@ -48,7 +43,7 @@ fn a_cell_that_is_drawn_out_pulls_before_it_beats_and_its_tension_adds_to_that()
     let mut simulation = Simulation { end_stretch: 1.001, ..strip(SupportKind::ClampedEnds) };
     simulation.mesh = lattice::rectangle(120, 8, 2.5).unwrap();
     simulation.fibres = vec![[1.0, 0.0]; simulation.mesh.simplices.len()];
-    let outcome = beat(&simulation);
+    let outcome = run(&simulation);
     let (rest, passive) = pulls(&outcome)[0];
     // Half a grip at either end is no longer drawn out, so what lies between is by so much more.
     assert!((rest.length_um - 300.3).abs() < 1e-9 && rest.shortening_pct.abs() < 1e-9);
@@ -63,7 +58,7 @@ fn a_cell_that_is_drawn_out_pulls_before_it_beats_and_its_tension_adds_to_that()
     assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
 
     let drawn = Simulation { end_stretch: 1.1, ..strip(SupportKind::ClampedEnds) };
-    let outcome = beat(&drawn);
+    let outcome = run(&drawn);
     let pulls = pulls(&outcome);
     let most = pulls.iter().map(|(_, force)| *force).fold(0.0, f64::max);
     // The tension is a stress on the resting section along the stretched fibre.
@@ -77,7 +72,7 @@ fn against_a_load_a_cell_waits_at_its_stop_then_shortens_under_that_force_alone(
     let mut before = f64::INFINITY;
     for part in [0.1, 0.4, 0.8] {
         let load = part * isometric;
-        let outcome = beat(&strip(SupportKind::AfterloadedEnds { load }));
+        let outcome = run(&strip(SupportKind::AfterloadedEnds { load }));
         let pulls = pulls(&outcome);
         let mut moved = 0;
         for pair in pulls.windows(2) {

@@ -119,7 +119,8 @@ fn beat(mesh: Mesh, toy: Toy, method: Method, duration: f64) -> Simulation {
     simulation
 }
 
-fn run(simulation: &Simulation) -> Outcome {
+/// A run that comes to its end.
+pub(crate) fn run(simulation: &Simulation) -> Outcome {
     let outcome = simulation.build().unwrap().run(|_| true);
     assert_eq!(outcome.stop, None);
     outcome

@@ -88,7 +88,7 @@ const TRIALS: [Trial; 7] = [
         least: 100,
         work: |asked| {
             let (body, system) = simulation(Interruption::default()).mechanics();
-            let path = Path::start_interruptible(&system, &body, Tolerance::default(), &asked);
+            let path = Path::start(&system, &body, Tolerance::default(), &asked);
             match path.and_then(|mut path| path.extend(50.0)) {
                 Err(PathError::Interrupted) => true,
                 Err(error) => panic!("{error}"),
@@ -154,10 +154,10 @@ fn a_path_goes_on_after_an_interruption_with_the_same_bits() {
     let (body, system) = simulation(Interruption::default()).mechanics();
     let tolerance = Tolerance::default();
     let (never, asked) = at(usize::MAX);
-    let mut whole = Path::start_interruptible(&system, &body, tolerance, &never).unwrap();
+    let mut whole = Path::start(&system, &body, tolerance, &never).unwrap();
     whole.extend(50.0).unwrap();
     let (interruption, _) = at(asked.load(Ordering::Relaxed) - 10);
-    let mut path = Path::start_interruptible(&system, &body, tolerance, &interruption).unwrap();
+    let mut path = Path::start(&system, &body, tolerance, &interruption).unwrap();
     assert_eq!(path.extend(50.0), Err(PathError::Interrupted));
     assert!(!path.reaches(50.0));
     let mut path = Path::resume(&system, &body, path.into_shapes(), &never);

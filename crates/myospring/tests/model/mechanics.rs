@@ -269,7 +269,7 @@ fn a_cell_is_stable_just_below_the_limit_and_blows_up_just_above() {
 /// Stretches of a sheet of axial and diagonal springs with an area law under a uniform load along x,
 /// from the energy per area of the homogeneous lattice (Newton's method):
 /// `W = k1/2 [(a-1)^2 + (b-1)^2] + 2 k2 (d-1)^2 + K/2 (a b - 1)^2`, `d^2 = (a^2 + b^2)/2`.
-fn homogeneous(young: f64, area: f64, tension: f64, active: ActiveLaw) -> [f64; 2] {
+pub(crate) fn homogeneous(young: f64, area: f64, tension: f64, active: ActiveLaw) -> [f64; 2] {
     let (k1, k2) = (0.75 * young, 0.375 * young);
     let residual = |[a, b]: [f64; 2]| {
         let d = (0.5 * (a * a + b * b)).sqrt();

@@ -1,6 +1,7 @@
 //! Parts of a cell that differ: sarcomeres of other lengths, and a stimulus that travels.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use super::exchange::run;
 use crate::land_2017::cell;
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::pacing::Protocol;
@@ -32,9 +33,7 @@ fn held(stretch_felt: StretchFelt, resting_stretch: impl Fn(f64) -> f64) -> Simu
 }
 
 fn recorded(simulation: &Simulation) -> Recording {
-    let outcome = simulation.build().unwrap().run(|_| true);
-    assert!(outcome.stop.is_none(), "{:?}", outcome.stop);
-    outcome.recording
+    run(simulation).recording
 }
 
 /// Tension of the cell model alone, held at a stretch, kPa, each ms.

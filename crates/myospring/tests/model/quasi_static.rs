@@ -2,8 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use super::beat::quick_twitch;
+use super::mechanics::homogeneous;
 use myospring::integrate::quasi_static::{Path, PathError, Tolerance, WeakPlace};
 use myospring::integrate::verlet::{Integrator, Motion};
+use myospring::interruption::Interruption;
 use myospring::mechanics::active::ActiveLaw;
 use myospring::mechanics::area::AreaLaw;
 use myospring::mechanics::material::{Material, Stiffness, assemble, default_material};
@@ -21,7 +23,7 @@ fn built_in_cell(angle: f64, spacing: f64) -> Mesh {
 }
 
 /// A tear-drop 100 um long, pointed on the right: no symmetry along its length.
-fn tear_drop(spacing: f64) -> Mesh {
+pub(crate) fn tear_drop(spacing: f64) -> Mesh {
     let points = (0..90)
         .map(|k| {
             let angle = TAU * f64::from(k) / 90.0;
@@ -32,14 +34,15 @@ fn tear_drop(spacing: f64) -> Mesh {
     lattice::from_outline(&outline, Some(spacing)).unwrap().0
 }
 
-fn cell(mesh: &Mesh, material: &Material, support: SupportKind) -> (Body, System) {
+pub(crate) fn cell(mesh: &Mesh, material: &Material, support: SupportKind) -> (Body, System) {
     let axis = quality::long_axis(mesh);
     let fibres = vec![axis; mesh.simplices.len()];
     let length = quality::extent(mesh, axis);
     assemble(mesh, material, ActiveLaw::Fibre, &fibres, support, axis, length)
 }
 
-fn largest_difference(a: &Vectors, b: &Vectors) -> f64 {
+/// Of any coordinate of any point, um.
+pub(crate) fn largest_difference(a: &Vectors, b: &Vectors) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
@@ -64,7 +67,8 @@ fn a_block_takes_the_stretches_of_the_homogeneous_lattice_at_every_tension() {
         let path = Path::solve(&system, &body, 50.0, Tolerance::default()).unwrap();
         for tension in [0.0, 1.0, 7.3, 22.2, 41.0, 50.0] {
             let positions = path.positions(tension).unwrap();
-            let exact = homogeneous(material.young_modulus(), area_modulus, tension);
+            let exact =
+                homogeneous(material.young_modulus(), area_modulus, tension, ActiveLaw::Fibre);
             // The mass centre stays where it was, at (0, 0) or wherever the lattice lies.
             for (axis, length) in [(0, 20.0), (1, 10.0)] {
                 let place = |i: usize| (positions[axis][i], mesh.points[axis][i]);
@@ -80,34 +84,6 @@ fn a_block_takes_the_stretches_of_the_homogeneous_lattice_at_every_tension() {
             }
         }
     }
-}
-
-/// Stretches of a sheet of axial and diagonal springs with an area law under a uniform fibre tension
-/// along x, from the energy per area of the homogeneous lattice (Newton's method):
-/// `W = k1/2 [(a-1)^2 + (b-1)^2] + 2 k2 (d-1)^2 + K/2 (a b - 1)^2 + Ta a^2/2`, `d^2 = (a^2 + b^2)/2`.
-fn homogeneous(young: f64, area: f64, tension: f64) -> [f64; 2] {
-    let (k1, k2) = (0.75 * young, 0.375 * young);
-    let residual = |[a, b]: [f64; 2]| {
-        let d = (0.5 * (a * a + b * b)).sqrt();
-        [
-            k1 * (a - 1.0)
-                + 2.0 * k2 * (1.0 - 1.0 / d) * a
-                + area * (a * b - 1.0) * b
-                + tension * a,
-            k1 * (b - 1.0) + 2.0 * k2 * (1.0 - 1.0 / d) * b + area * (a * b - 1.0) * a,
-        ]
-    };
-    let mut at = [0.95, 1.02];
-    for _ in 0..100 {
-        let (r, e) = (residual(at), 1e-7);
-        let (ra, rb) = (residual([at[0] + e, at[1]]), residual([at[0], at[1] + e]));
-        let jacobian =
-            [[(ra[0] - r[0]) / e, (rb[0] - r[0]) / e], [(ra[1] - r[1]) / e, (rb[1] - r[1]) / e]];
-        let det = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
-        at[0] -= (r[0] * jacobian[1][1] - r[1] * jacobian[0][1]) / det;
-        at[1] -= (jacobian[0][0] * r[1] - jacobian[1][0] * r[0]) / det;
-    }
-    at
 }
 
 #[test]
@@ -181,7 +157,8 @@ fn a_tension_that_rounding_takes_below_zero_is_no_end_of_the_path() {
     // A cell model at rest goes to -6e-23 kPa and ten times further, as one of a thousand of a study did.
     let mesh = built_in_cell(0.0, 4.0);
     let (body, system) = cell(&mesh, &default_material(), SupportKind::MassCentre);
-    let mut path = Path::start(&system, &body, Tolerance::default()).unwrap();
+    let mut path =
+        Path::start(&system, &body, Tolerance::default(), &Interruption::default()).unwrap();
     for tension in [-6e-23, -6e-22, -1e-15, 50.0] {
         path.extend(tension).unwrap();
         let there = path.positions(tension).unwrap();
@@ -223,7 +200,8 @@ fn a_clamped_strip_that_is_pushed_buckles_at_eulers_load() {
     for rows in [4, 6] {
         let mesh = lattice::rectangle(100, rows, 1.0).unwrap();
         let (body, system) = cell(&mesh, &material, SupportKind::ClampedEnds);
-        let mut path = Path::start(&system, &body, Tolerance::default()).unwrap();
+        let mut path =
+            Path::start(&system, &body, Tolerance::default(), &Interruption::default()).unwrap();
         let error = path.extend(-20.0).unwrap_err();
         let PathError::Unstable { tension, beyond, place } = error else { panic!("{error}") };
         // Both ends are held, so the middle gives way.
@@ -264,7 +242,10 @@ impl Force for Hidden {
 fn where_there_is_no_path_the_message_names_what_to_use() {
     let mesh = lattice::rectangle(10, 4, 1.0).unwrap();
     let message = |system: &System, body: &Body| {
-        let Err(error) = Path::start(system, body, Tolerance::default()) else { panic!("a path") };
+        let Err(error) = Path::start(system, body, Tolerance::default(), &Interruption::default())
+        else {
+            panic!("a path")
+        };
         let text = error.to_string();
         assert!(text.contains("Verlet"), "{text}");
         text

@@ -2,17 +2,16 @@
 //! the path of equilibria.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use super::quasi_static::{cell, largest_difference, tear_drop};
 use myospring::analysis::shape::ShapeMeter;
 use myospring::integrate::quasi_static::{Path, PathError, Tolerance};
 use myospring::integrate::verlet::{Integrator, Motion};
-use myospring::mechanics::active::ActiveLaw;
-use myospring::mechanics::material::{Material, assemble, default_material};
+use myospring::interruption::Interruption;
+use myospring::mechanics::material::{Material, default_material};
 use myospring::mechanics::stability::StabilityLimit;
 use myospring::mechanics::support::{Support, SupportKind};
 use myospring::mechanics::{Body, System, Vectors};
-use myospring::mesh::outline::Outline;
 use myospring::mesh::{Mesh, lattice, quality};
-use std::f64::consts::TAU;
 
 /// A bar without area law: Young's modulus 308 kPa in uniaxial stress, thickness 10 um.
 const YOUNG: f64 = 308.0;
@@ -20,16 +19,9 @@ const THICKNESS: f64 = 10.0;
 /// So little tension, kPa, that the bar is linear to a part in ten thousand.
 const LITTLE: f64 = 0.01;
 
-fn made(mesh: &Mesh, material: &Material, support: SupportKind) -> (Body, System) {
-    let axis = quality::long_axis(mesh);
-    let fibres = vec![axis; mesh.simplices.len()];
-    let length = quality::extent(mesh, axis);
-    assemble(mesh, material, ActiveLaw::Fibre, &fibres, support, axis, length)
-}
-
 /// Shapes under a tension, by both methods.
 fn shapes(mesh: &Mesh, material: &Material, support: SupportKind, tension: f64) -> [Vectors; 2] {
-    let (body, system) = made(mesh, material, support);
+    let (body, system) = cell(mesh, material, support);
     let path = Path::solve(&system, &body, tension, Tolerance::default()).unwrap();
     let step = 0.8 * StabilityLimit::of(&system, &body, tension).time_step;
     let mut motion = Motion::new(&system, body.clone(), Integrator::StoermerVerlet, step);
@@ -109,30 +101,14 @@ fn a_bar_between_springs_shortens_as_far_as_cell_and_springs_together_allow() {
     }
 }
 
-/// A tear-drop 100 um long, turned by 20 degrees: no symmetry.
-fn tear_drop() -> Mesh {
-    let points = (0..90)
-        .map(|k| {
-            let angle = TAU * f64::from(k) / 90.0;
-            [50.0 * angle.cos(), 28.0 * angle.sin() * (0.5 * angle).sin().powi(2)]
-        })
-        .collect();
-    let outline = Outline::new(points, vec![]).unwrap().rotated(20.0);
-    lattice::from_outline(&outline, Some(4.0)).unwrap().0
-}
-
-fn largest_difference(a: &Vectors, b: &Vectors) -> f64 {
-    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-}
-
 #[test]
 fn any_cell_comes_to_rest_on_its_path_on_a_bed_and_between_springs() {
-    let mesh = tear_drop();
+    let mesh = tear_drop(4.0);
     for support in [
         SupportKind::ElasticBed { stiffness: 0.5 },
         SupportKind::SpringHeldEnds { stiffness: 300.0 },
     ] {
-        let (_, system) = made(&mesh, &default_material(), support);
+        let (_, system) = cell(&mesh, &default_material(), support);
         assert_eq!(system.support, Support::Free, "nothing is constrained besides");
         let [path, motion] = shapes(&mesh, &default_material(), support, 50.0);
         let error = largest_difference(&path, &motion);
@@ -142,11 +118,11 @@ fn any_cell_comes_to_rest_on_its_path_on_a_bed_and_between_springs() {
 
 #[test]
 fn a_stiff_spring_clamps_and_a_soft_one_lets_go() {
-    let mesh = tear_drop();
+    let mesh = tear_drop(4.0);
     let axis = quality::long_axis(&mesh);
     let meter = ShapeMeter::new(mesh.points.clone(), axis, mesh.areas.clone());
     let shape = |support| {
-        let (body, system) = made(&mesh, &default_material(), support);
+        let (body, system) = cell(&mesh, &default_material(), support);
         let path = Path::solve(&system, &body, 50.0, Tolerance::default()).unwrap();
         path.positions(50.0).unwrap()
     };
@@ -168,10 +144,10 @@ fn the_stability_limit_counts_the_bed() {
     let mesh = lattice::rectangle(20, 4, 1.0).unwrap();
     // Stiff enough to set the limit alone: all masses on b A, so omega^2 = b/(rho w).
     let bed = 1e6;
-    let (body, system) = made(&mesh, &soft(), SupportKind::ElasticBed { stiffness: bed });
+    let (body, system) = cell(&mesh, &soft(), SupportKind::ElasticBed { stiffness: bed });
     let limit = StabilityLimit::of(&system, &body, 0.0);
     let bare = bed / (soft().density(20.0) * THICKNESS);
-    let (free_body, free) = made(&mesh, &soft(), SupportKind::MassCentre);
+    let (free_body, free) = cell(&mesh, &soft(), SupportKind::MassCentre);
     let lattice = StabilityLimit::of(&free, &free_body, 0.0).angular_frequency.powi(2);
     let square = limit.angular_frequency.powi(2);
     // The bed adds the same to the square of every vibration.
@@ -194,8 +170,9 @@ fn the_stability_limit_counts_the_bed() {
 fn a_fixed_mass_centre_on_a_bed_is_refused_along_the_path() {
     let mesh = lattice::rectangle(10, 4, 1.0).unwrap();
     let (body, mut system) =
-        made(&mesh, &default_material(), SupportKind::ElasticBed { stiffness: 1.0 });
+        cell(&mesh, &default_material(), SupportKind::ElasticBed { stiffness: 1.0 });
     system.support = Support::MassCentre;
-    let error = Path::start(&system, &body, Tolerance::default()).err().unwrap();
+    let error =
+        Path::start(&system, &body, Tolerance::default(), &Interruption::default()).err().unwrap();
     assert!(matches!(error, PathError::External { force: "elastic bed" }), "{error}");
 }

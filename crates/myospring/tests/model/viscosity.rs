@@ -2,13 +2,14 @@
 //! another program's in `verification/src/viscosity.rs`.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use super::exchange::run;
 use myospring::cell::{self, pacing::Protocol};
 use myospring::integrate::Method;
 use myospring::integrate::quasi_static::Tolerance;
 use myospring::mechanics::material::Stiffness;
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::lattice;
-use myospring::simulation::{Outcome, Simulation};
+use myospring::simulation::Simulation;
 
 /// A strip, viscous or not.
 fn strip(retardation_time: f64) -> Simulation {
@@ -19,17 +20,11 @@ fn strip(retardation_time: f64) -> Simulation {
     simulation
 }
 
-fn beat(simulation: &Simulation) -> Outcome {
-    let outcome = simulation.build().unwrap().run(|_progress| true);
-    assert!(outcome.stop.is_none(), "{:?}", outcome.stop);
-    outcome
-}
-
 #[test]
 fn the_shape_is_that_of_a_tension_that_lags_by_the_retardation_time() {
     let time = 20.0;
     let simulation = strip(time);
-    let samples = beat(&simulation).recording.samples;
+    let samples = run(&simulation).recording.samples;
     let equilibria = simulation.equilibria(&[60.0], Tolerance::default()).unwrap();
     // The tension whose equilibrium has the length of a sample, by bisection.
     let shaping = |length: f64| {
@@ -52,7 +47,7 @@ fn the_shape_is_that_of_a_tension_that_lags_by_the_retardation_time() {
 
 #[test]
 fn what_the_tension_has_worked_is_stored_or_lost_and_all_of_it_is_lost_in_the_end() {
-    let samples = beat(&strip(30.0)).recording.samples;
+    let samples = run(&strip(30.0)).recording.samples;
     let last = samples.last().unwrap();
     let most = samples.iter().map(|sample| sample.elastic_energy_fj).fold(0.0, f64::max);
     for pair in samples.windows(2) {
@@ -66,7 +61,7 @@ fn what_the_tension_has_worked_is_stored_or_lost_and_all_of_it_is_lost_in_the_en
 
 #[test]
 fn without_a_retardation_time_nothing_is_lost() {
-    let samples = beat(&strip(0.0)).recording.samples;
+    let samples = run(&strip(0.0)).recording.samples;
     assert!(samples.iter().all(|sample| sample.dissipated_energy_fj == 0.0));
 }
 
@@ -97,7 +92,7 @@ fn cells_that_feel_their_stretch_are_of_second_order_in_the_exchange_interval() 
             simulation.numerics.exchange_interval = interval;
             simulation.numerics.output_interval = 4.0;
             simulation.numerics.frame_interval = 320.0;
-            beat(&simulation).recording.samples.iter().map(|it| it.shortening_pct).collect()
+            run(&simulation).recording.samples.iter().map(|it| it.shortening_pct).collect()
         };
         let fine = curve(0.25);
         let most = fine.iter().copied().fold(0.0, f64::max);

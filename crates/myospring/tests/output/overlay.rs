@@ -1,11 +1,10 @@
 //! The overlay: a made-up picture with lines over it.
 
-use myospring::mesh::Mesh;
 use myospring::mesh::pixel_size::PixelSize;
+use myospring::mesh::{Mesh, lattice};
 use myospring::output::figure::{Contour, Figure, FigureError, Overlay, Sarcomeres, Tick, overlay};
 
 use super::drawn::{Pixels, size};
-use super::synthetic::lattice;
 
 const PIXEL: f64 = 0.5;
 const SIZE: [usize; 2] = [120, 100];
@@ -38,8 +37,8 @@ fn plain(values: &[f32]) -> Overlay<'_> {
 
 /// The lattice of [`CELL`], there.
 fn mesh() -> Mesh {
-    let mut mesh = lattice([30.0, 18.0], 2.0, |_, _| true);
-    for (axis, shift) in [21.0, 35.0].into_iter().enumerate() {
+    let mut mesh = lattice::rectangle(15, 9, 2.0).unwrap();
+    for (axis, shift) in [6.0, 26.0].into_iter().enumerate() {
         mesh.points[axis].iter_mut().for_each(|x| *x += shift);
     }
     mesh

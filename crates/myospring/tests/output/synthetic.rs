@@ -1,75 +1,34 @@
 //! A cell that never was: lattice meshes and a beat from formulas, to try the output with.
 
-use myospring::mesh::{Lattice, Mesh, Simplex, Spring, SpringKind};
+use myospring::mesh::outline::Outline;
+use myospring::mesh::{Mesh, lattice};
 use myospring::recording::{Frame, Recording, Sample};
+use std::f64::consts::TAU;
 
 /// Time of the stimulus, ms.
 pub(crate) const STIMULUS: f64 = 50.0;
 /// Time of the greatest tension, ms.
 pub(crate) const PEAK: f64 = 171.5;
 
-/// A Moore lattice over the squares whose middle lies in the cell.
-pub(crate) fn lattice(size: [f64; 2], spacing: f64, inside: impl Fn(f64, f64) -> bool) -> Mesh {
-    let shape = size.map(|length| (length / spacing).round() as usize + 1);
-    let origin = size.map(|length| -length / 2.0);
-    let at = |column: usize, row: usize| {
-        [origin[0] + column as f64 * spacing, origin[1] + row as f64 * spacing]
-    };
-    let mut node = vec![None; shape[0] * shape[1]];
-    let mut mesh = Mesh {
-        points: [vec![], vec![]],
-        areas: vec![],
-        springs: vec![],
-        simplices: vec![],
-        lattice: None,
-    };
-    let mut cells = vec![];
-    let mut springs = std::collections::BTreeMap::new();
-    for row in 0..shape[1] - 1 {
-        for column in 0..shape[0] - 1 {
-            let [x, y] = at(column, row);
-            if !inside(x + spacing / 2.0, y + spacing / 2.0) {
-                continue;
-            }
-            let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(right, up)| {
-                let (column, row) = (column + right, row + up);
-                *node[row * shape[0] + column].get_or_insert_with(|| {
-                    let [x, y] = at(column, row);
-                    mesh.points[0].push(x);
-                    mesh.points[1].push(y);
-                    mesh.areas.push(0.0);
-                    cells.push([column as u32, row as u32]);
-                    cells.len() as u32 - 1
-                })
-            });
-            let [a, b, c, d] = corners;
-            for corner in corners {
-                mesh.areas[corner as usize] += spacing * spacing / 4.0;
-            }
-            for nodes in [[a, b, c], [a, c, d], [a, b, d], [b, c, d]] {
-                mesh.simplices.push(Simplex { nodes, weight: 0.5 });
-            }
-            for (i, j, kind, share) in [
-                (a, b, SpringKind::Axial, 0.5),
-                (b, c, SpringKind::Axial, 0.5),
-                (d, c, SpringKind::Axial, 0.5),
-                (a, d, SpringKind::Axial, 0.5),
-                (a, c, SpringKind::Diagonal, 1.0),
-                (b, d, SpringKind::Diagonal, 1.0),
-            ] {
-                springs.entry([i, j]).or_insert((kind, 0.0)).1 += share;
-            }
+/// The lattice of a cell that is seen whole from its middle.
+fn filled(spacing: f64, inside: impl Fn(f64, f64) -> bool) -> Mesh {
+    let ring = (0..400).map(|step| {
+        let (sin, cos) = (f64::from(step) / 400.0 * TAU).sin_cos();
+        let (mut within, mut beyond) = (0.0, 100.0);
+        for _ in 0..40 {
+            let middle = f64::midpoint(within, beyond);
+            let side = if inside(middle * cos, middle * sin) { &mut within } else { &mut beyond };
+            *side = middle;
         }
-    }
-    mesh.springs =
-        springs.into_iter().map(|(nodes, (kind, share))| Spring { nodes, kind, share }).collect();
-    mesh.lattice = Some(Lattice { spacing, shape, origin, cells });
-    mesh
+        [within * cos, within * sin]
+    });
+    let outline = Outline::new(ring.collect(), Vec::new()).unwrap();
+    lattice::from_outline(&outline, Some(spacing)).unwrap().0
 }
 
 /// A long, brick-like myocyte, 140 um x 21 um.
 pub(crate) fn elongated(spacing: f64) -> Mesh {
-    lattice([140.0, 22.0], spacing, |x, y| {
+    filled(spacing, |x, y| {
         (x / 70.0).abs().powi(8) + (y / (10.6 + 0.6 * (x / 15.0).sin())).abs().powi(6) < 1.0
     })
 }
@@ -77,7 +36,7 @@ pub(crate) fn elongated(spacing: f64) -> Mesh {
 /// A roundish cell, 110 um x 77 um, its long axis turned by 25 degrees, and that axis.
 pub(crate) fn roundish(spacing: f64) -> (Mesh, [f64; 2]) {
     let (sin, cos) = 25f64.to_radians().sin_cos();
-    let mesh = lattice([112.0, 84.0], spacing, |x, y| {
+    let mesh = filled(spacing, |x, y| {
         let (a, b) = (cos * x + sin * y, cos * y - sin * x);
         let r = 1.0 + 0.05 * (3.0 * b.atan2(a)).cos();
         (a / 57.0).powi(2) + (b / 34.0).powi(2) < r * r

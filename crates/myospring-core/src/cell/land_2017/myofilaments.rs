@@ -156,26 +156,6 @@ impl Myofilaments {
         self.overlap(stretch) * self.t_ref / self.r_s * ((zeta_s + 1.0) * xs + zeta_w * xw)
     }
 
-    /// Derivatives of the tension with respect to the stretch (kPa) and to its rate (kPa ms), both
-    /// in the end state of an interval in ms over which that rate acts. The rate acts through the
-    /// distortions: over a short interval its derivative is the interval times the stiffness of the
-    /// crossbridges.
-    pub fn tension_slopes(
-        &self,
-        state: &[f64; STATES],
-        stretch: f64,
-        interval_ms: f64,
-    ) -> [f64; 2] {
-        let [xs, xw, _, _, zeta_s, zeta_w] = *state;
-        let full = self.t_ref / self.r_s;
-        let by_stretch = self.overlap_slope(stretch) * full * ((zeta_s + 1.0) * xs + zeta_w * xw);
-        // zeta(t) = zeta(0) exp(-c t) + A (1 - exp(-c t)) / c d lambda/dt
-        let reached = |c: f64| self.a * -(-c * interval_ms).exp_m1() / c;
-        let by_rate =
-            self.overlap(stretch) * full * (reached(self.c_s) * xs + reached(self.c_w) * xw);
-        [by_stretch, by_rate]
-    }
-
     /// Derivative of the tension with respect to an instantaneous stretch, kPa: through the overlap
     /// and the full distortion of the crossbridges ([`Myofilaments::distortion_per_stretch`]).
     pub fn instantaneous_stiffness(&self, state: &[f64; STATES], stretch: f64) -> f64 {
@@ -392,33 +372,6 @@ mod tests {
             }
             assert!((slow - 3.495).abs() < 5e-4, "{calcium} uM: {slow} lengths/s");
         }
-    }
-
-    #[test]
-    fn slopes_of_the_tension_are_its_differences() {
-        let myofilaments = Myofilaments::published();
-        for stretch in [0.5, 0.8, 0.95, 1.1, 1.3] {
-            let [by_stretch, _] = myofilaments.tension_slopes(&SOMEWHERE, stretch, 1.0);
-            let at = |stretch| myofilaments.tension(&SOMEWHERE, stretch);
-            let difference = (at(stretch + 1e-6) - at(stretch - 1e-6)) / 2e-6;
-            assert!((by_stretch - difference).abs() < 1e-6 * (1.0 + difference), "{stretch}");
-        }
-        // The distortions after 2 ms of a rate, by small steps.
-        let (interval, rate) = (2.0, 1e-3);
-        let after = |rate: f64| {
-            let mut state = SOMEWHERE;
-            for _ in 0..20_000 {
-                let rates = myofilaments.rates(&state, 0.4, 0.95, rate);
-                for zeta in [4, 5] {
-                    state[zeta] += interval / 20_000.0 * rates[zeta];
-                }
-            }
-            myofilaments.tension(&state, 0.95)
-        };
-        let [_, by_rate] = myofilaments.tension_slopes(&SOMEWHERE, 0.95, interval);
-        let difference = (after(rate) - after(0.0)) / rate;
-        // First order in the small steps.
-        assert!((by_rate / difference - 1.0).abs() < 1e-3, "{by_rate} {difference}");
     }
 
     #[test]
