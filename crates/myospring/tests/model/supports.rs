@@ -7,10 +7,10 @@ use myospring::analysis::shape::ShapeMeter;
 use myospring::integrate::quasi_static::{Path, PathError, Tolerance};
 use myospring::integrate::verlet::{Integrator, Motion};
 use myospring::interruption::Interruption;
+use myospring::mechanics::Vectors;
 use myospring::mechanics::material::{Material, default_material};
 use myospring::mechanics::stability::StabilityLimit;
 use myospring::mechanics::support::{Support, SupportKind};
-use myospring::mechanics::{Body, System, Vectors};
 use myospring::mesh::{Mesh, lattice, quality};
 
 /// A bar without area law: Young's modulus 308 kPa in uniaxial stress, thickness 10 um.
