@@ -203,7 +203,7 @@ fn a_population_says_who_is_kept_and_which_band_rejects_the_others() {
     fs::write(path.join("n.toml"), narrow).unwrap();
     let said = done(path, &["study", "run", "n.toml", "-o", "n"]);
     assert!(said.contains("0 kept") && said.contains("rejects 100.0 %"), "{said}");
-    assert!(said.contains("members have 27"), "{said}");
+    assert!(said.contains("their median is 27"), "{said}");
 }
 
 #[test]
