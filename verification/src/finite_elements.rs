@@ -225,7 +225,11 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
         );
         return Ok(vec![Row::skipped("a twitch in an elastic bed", SOURCE, &missing)]);
     }
-    let lines: Vec<Line> = csv::Reader::from_path(file)?.deserialize().collect::<Result<_, _>>()?;
+    compared(setting, &csv::Reader::from_path(file)?.deserialize().collect::<Result<Vec<_>, _>>()?)
+}
+
+/// Our twitch beside the one of these lines.
+fn compared(setting: &Setting<'_>, lines: &[Line]) -> Result<Vec<Row>, Failure> {
     let times: Vec<f64> = lines.iter().map(|line| line.time_ms).collect();
     let tensions: Vec<f64> = lines.iter().map(|line| line.tension).collect();
     let most = tensions.iter().copied().fold(0.0, f64::max);
@@ -243,8 +247,8 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
         strains.iter().map(|strain| 100.0 * (1.0 - (1.0 + 2.0 * strain).sqrt())).collect()
     };
     let theirs = shortening(&lines.iter().map(|line| line.strain).collect::<Vec<_>>());
-    let ours = shortening(&strip.twitch(&lines)?);
-    let law = shortening(&exponential(&lines));
+    let ours = shortening(&strip.twitch(lines)?);
+    let law = shortening(&exponential(lines));
     draw(setting, &times, &[("finite elements", &theirs), ("Myospring", &ours)])?;
 
     let (them, us) = (timing(&times, &theirs)?, timing(&times, &ours)?);

@@ -35,6 +35,9 @@ Environment:
   SUNDIALS_PREFIX  Where SUNDIALS is, if not in a usual place
 ";
 
+/// Our programs, by their names in `verification/examples`.
+const OWN: [&str; 4] = ["throughput", "beat_time", "cell_throughput", "quasi_static"];
+
 /// Masses, and the arguments of one size.
 const SIZES: [&str; 4] = ["2k", "20k", "200k", "2M"];
 
@@ -67,8 +70,9 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
             other => return Err(format!("there is no option `{other}`\n\n{HELP}")),
         }
     }
-    let mut build = cargo(["build", "--release", "--locked", "-p", "myospring", "--examples"]);
-    build.arg("--quiet");
+    let mut build =
+        cargo(["build", "--release", "--locked", "-p", "myospring-verification", "--quiet"]);
+    build.args(OWN.map(|name| format!("--example={name}")));
     step("the programs to be measured", build)?;
     say(&format!("\n{}\n", machine()));
     if cells_alone {

@@ -81,214 +81,219 @@ fn listing(folder: &Path) -> Vec<std::path::PathBuf> {
     paths
 }
 
+const PIXELS: [&str; 2] = ["--pixel-size", "0.5 um"];
+
+/// Arguments, and parts of the message that they get.
+const CASES: &[(&[&str], &[&str])] = &[
+    (
+        &["run", "missing.png", PIXELS[0], PIXELS[1]],
+        &["cannot read `missing.png`", "check the path"],
+    ),
+    (
+        &["run", "text.png", PIXELS[0], PIXELS[1]],
+        &["`text.png`: this is not a picture", "PNG or TIFF"],
+    ),
+    (
+        &["run", "truncated.png", PIXELS[0], PIXELS[1]],
+        &["`truncated.png`", "cannot be read", "complete?"],
+    ),
+    (
+        &["run", "huge.png", PIXELS[0], PIXELS[1]],
+        &["declares 100000 x 100000 pixels", "cut out the cell"],
+    ),
+    (
+        &["run", "black.png", PIXELS[0], PIXELS[1]],
+        &["all 40 x 40 pixels have the same value, 0", "no cell is visible"],
+    ),
+    (
+        &["run", "white.png", PIXELS[0], PIXELS[1]],
+        &["pixels have the same value, 255", "no cell is visible"],
+    ),
+    (&["run", "good.png"], &["does not say how large its pixels are", "--pixel-size"]),
+    (
+        &["run", "good.png", "--pixel-size", "0.27 mm"],
+        &["--pixel-size", "270 um", "0.001 um to 50 um"],
+    ),
+    (
+        &["run", "good.png", "--pixel-size", "0.5 um", "--label", "7"],
+        &["label 7 is not in the picture", "255"],
+    ),
+    (&["run", "--spacing", "50 um"], &["spacing 50 um exceeds", "give less"]),
+    (&["run", "--spacing", "0.001 um"], &["spacing 0.001 um would give about", "masses"]),
+    (&["run", "--spacing", "-1 um"], &["--spacing", "-1 um is outside its bounds"]),
+    (&["run", "--thickness", "0 um"], &["0 um is outside", "like --thickness \"10 um\""]),
+    (&["run", "--thickness", "-3 um"], &["-3 um is outside its bounds, above 0 um"]),
+    (
+        &["run", "--time-step", "0.1 ms"],
+        &["time step 0.1 ms exceeds the stability limit 0.00", "smaller step"],
+    ),
+    (
+        &["run", "--peak-tension", "50 mV"],
+        &["`50 mV` is a potential, but a pressure is needed", "kPa"],
+    ),
+    (&["run", "--model", "coelho"], &["no cell model is named `coelho`", "models"]),
+    (
+        &["run", "--integrator", "quasi-static", "--area-law", "printed"],
+        &["--area-law", "no energy", "area_law = \"gradient\"", "integrator = \"verlet\""],
+    ),
+    (
+        &["run", "--integrator", "quasi-static", "--area-law", "barycentric"],
+        &["--area-law", "no energy", "area_law = \"gradient\""],
+    ),
+    (
+        &["run", "--integrator", "quasi-static", "--active", "ends"],
+        &["--active", "active = \"fibre\"", "integrator = \"verlet\""],
+    ),
+    (
+        &["run", "--integrator", "quasi-static", "--time-step", "0.001 ms"],
+        &["--time-step", "no time step", "leave it out"],
+    ),
+    (&["run", "slow.toml"], &["delay the shape by", "drag_ratio", "Verlet", "more than 1 ms"]),
+    (
+        &["run", "--engine", "fused", "--active", "ends"],
+        &["engine = \"fused\"", "`end tension`", "engine = \"plain\""],
+    ),
+    (
+        &["run", "--engine", "fused", "--integrator", "velocity-verlet"],
+        &["engine = \"fused\"", "velocity Verlet"],
+    ),
+    (
+        &["run", "--myofibril-content", "content.csv"],
+        &["content.csv", "line 3", "content is -1", "from 0 to 100"],
+    ),
+    (
+        &["run", "--myofibril-content", "beside.csv"],
+        &["beside.csv", "[900.0, 900.0] to [990.0, 900.0] um", "same origin"],
+    ),
+    (
+        &["run", "--myofibril-content", "mm.csv"],
+        &["mm.csv", "its columns are `x_mm`, `y_mm`, `content`", "`x_um,y_um,content`"],
+    ),
+    (
+        &["run", "--myofibril-content", "tabs.csv"],
+        &["tabs.csv", "its one column, as separated by commas", "`x_um,y_um,content`"],
+    ),
+    (
+        &["run", "--myofibril-content", "rows.csv"],
+        &["rows.csv", "2 rows", "triangles: give one for each"],
+    ),
+    (
+        &["run", "--myofibril-content", "good.png"],
+        &["`good.png` is a picture", "give a table (.csv)"],
+    ),
+    (
+        &["run", "good.png", PIXELS[0], PIXELS[1], "--myofibril-content", "dark.png"],
+        &["`dark.png` is black everywhere in the cell"],
+    ),
+    (
+        &["run", "good.png", PIXELS[0], PIXELS[1], "--myofibril-content", "speck.png"],
+        &["`speck.png` has [40, 40] pixels", "[80, 80]", "same frame"],
+    ),
+    (&["run", "--integrator", "quasistatic"], &["did you mean `quasi-static`?"]),
+    (&["run", "--support", "spring-held-ends"], &["end_stiffness` is missing", "nN/um"]),
+    (&["run", "--bed-stiffness", "1 kPa/um"], &["--bed-stiffness", "support = \"elastic-bed\""]),
+    (&["run", "--area-law", "gradeint"], &["did you mean `gradient`?"]),
+    (
+        &["run", "unknown_key.toml"],
+        &["unknown_key.toml:2:1", "did you mean `thickness`?", "keys in [material]"],
+    ),
+    (&["run", "nan.toml"], &["nan.toml:2:16", "is not a finite number"]),
+    (
+        &["run", "wrong_unit.toml"],
+        &["wrong_unit.toml:2:16", "is a potential", "peak_tension = \"50 kPa\""],
+    ),
+    (&["run", "nothing.toml"], &["cannot read `nothing.toml`"]),
+    (&["run", "file"], &["has an ending that is not known", ".png"]),
+    (&["run", "cell.czi"], &["`cell.czi`: this is a Zeiss CZI file", "export it as OME-TIFF"]),
+    (&["segment", "cell.JPG"], &["`cell.JPG`: this is a JPEG picture", "save the original"]),
+    (&["run", "missing.nd2"], &["cannot read `missing.nd2`"]),
+    (&["segment", "dish"], &["`dish` is a folder", "myospring batch dish"]),
+    (&["run", "dish"], &["`dish` is a folder", "myospring batch dish"]),
+    (&["batch", "dish"], &["holds no file like *.png", "1 .lif", "Leica LIF", "OME-TIFF"]),
+    (&["run", "czi.toml"], &["shape.picture", "this is a Zeiss CZI file", "export it as OME-TIFF"]),
+    (
+        &["run", "damaged.roi", PIXELS[0], PIXELS[1]],
+        &["damaged.roi is damaged, or not a valid ImageJ ROI", "save it again in Fiji"],
+    ),
+    (
+        &["run", "good.png", PIXELS[0], PIXELS[1], "--outline", "damaged.roi"],
+        &["damaged.roi is damaged, or not a valid ImageJ ROI"],
+    ),
+    (&["run", "beat.csv"], &["a table of measured curves", "`myospring analyse beat.csv`"]),
+    (&["segment", "beat.csv"], &["a table of measured curves", "fit --to beat.csv"]),
+    (&["track", "beat.csv"], &["a table of measured curves", "analyse beat.csv"]),
+    (&["batch", "beat.csv"], &["a table of measured curves", "analyse beat.csv"]),
+    (&["run", "film.avi"], &["`film.avi` is a film", "`myospring track film.avi`"]),
+    (&["analyse", "film.avi"], &["`film.avi` is a film", "`myospring track film.avi`"]),
+    (&["segment", "film.avi"], &["is a film", "`myospring track film.avi`"]),
+    (&["mesh", "film.avi"], &["is a film", "`myospring track film.avi`"]),
+    (&["compare", "film.avi", "a"], &["is a film", "`myospring track film.avi`"]),
+    (&["study", "run", "film.avi"], &["is a film", "`myospring track film.avi`"]),
+    (&["analyse", "good.png"], &["is a picture", "`myospring run good.png`"]),
+    (&["batch", "good.png"], &["is a picture", "`myospring run good.png`"]),
+    (&["track", "drawn.geojson"], &["is an outline", "`myospring run drawn.geojson`"]),
+    (&["run", "study.toml"], &["the description of a study", "study run study.toml"]),
+    (&["study", "run", "nan.toml"], &["is a run file", "`myospring run nan.toml`"]),
+    (&["run", "drug.toml"], &["a file of doses", "--doses drug.toml"]),
+    (&["run", "frames"], &["a folder of pictures", "batch frames", "track frames"]),
+    (&["analyse", "frames"], &["a folder of pictures", "batch frames"]),
+    (&["run", "beaten"], &["the results of a run", "`myospring run beaten/run.toml`"]),
+    (&["run", "my", "cell.png"], &["needs quotes", "write \"my cell.png\""]),
+    (
+        &["run", "--pixel-size", "0.27", "um"],
+        &["a value with a space needs quotes", "write --pixel-size \"0.27 um\""],
+    ),
+    (
+        &["run", "good.png", "--pixel-size", "0,27 um"],
+        &["has a comma in its number", "write \"0.27 um\""],
+    ),
+    (
+        &["run", "good.png", "--pixel-size", "0.27 UM"],
+        &["unknown unit `UM`", "did you mean \"0.27 um\"?"],
+    ),
+    (
+        &["analyse", "beat.csv", "--stimulus-times", "0,1 s"],
+        &["`0` has no unit", "decimals with a point"],
+    ),
+    (
+        &["batch", "--table", "pictures.csv"],
+        &["`pictures.csv`", "line 2, column `file`", "cell.tif"],
+    ),
+    (&["batch"], &["<FOLDER>"]),
+    (
+        &[
+            "run",
+            "good.png",
+            PIXELS[0],
+            PIXELS[1],
+            "--min-area",
+            "9000 um^2",
+            "--max-area",
+            "900 um^2",
+        ],
+        &["segmentation.min_area", "the least area must be below the largest"],
+    ),
+    (&["run", "--output", "file/results"], &["cannot write results to `file/results`"]),
+    (&["run", "--output", "file"], &["cannot write results to `file`"]),
+    (&["mesh", "--output", "file/results"], &["cannot write results"]),
+    (&["paper", "--output", "file/results"], &["cannot write results"]),
+    (&["models", "cohelo_2021"], &["did you mean `coelho_2021`?"]),
+    (&["init", "file/beat.toml"], &["cannot write", "beat.toml"]),
+    (&["film.avi"], &["a film, not a command", "`myospring track film.avi`"]),
+    (&["study"], &["Usage: myospring study [OPTIONS] <COMMAND>", "init"]),
+    (&["rum"], &["there is no command `rum`; did you mean `run`?"]),
+    (&["--model", "land_2017"], &["write myospring run --model"]),
+    (&["run", "--thicknes", "1 um"], &["unexpected argument", "--thickness"]),
+    (&[], &["Usage: myospring"]),
+];
+
 #[test]
 fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
-    const PIXELS: [&str; 2] = ["--pixel-size", "0.5 um"];
-    let picture = |name| ["run", name, PIXELS[0], PIXELS[1]].to_vec();
-    let cases: Vec<(Vec<&str>, &[&str])> = vec![
-        (picture("missing.png"), &["cannot read `missing.png`", "check the path"]),
-        (picture("text.png"), &["`text.png`: this is not a picture", "PNG or TIFF"]),
-        (picture("truncated.png"), &["`truncated.png`", "cannot be read", "complete?"]),
-        (picture("huge.png"), &["declares 100000 x 100000 pixels", "cut out the cell"]),
-        (
-            picture("black.png"),
-            &["all 40 x 40 pixels have the same value, 0", "no cell is visible"],
-        ),
-        (picture("white.png"), &["pixels have the same value, 255", "no cell is visible"]),
-        (vec!["run", "good.png"], &["does not say how large its pixels are", "--pixel-size"]),
-        (
-            vec!["run", "good.png", "--pixel-size", "0.27 mm"],
-            &["--pixel-size", "270 um", "0.001 um to 50 um"],
-        ),
-        (
-            vec!["run", "good.png", "--pixel-size", "0.5 um", "--label", "7"],
-            &["label 7 is not in the picture", "255"],
-        ),
-        (vec!["run", "--spacing", "50 um"], &["spacing 50 um exceeds", "give less"]),
-        (vec!["run", "--spacing", "0.001 um"], &["spacing 0.001 um would give about", "masses"]),
-        (vec!["run", "--spacing", "-1 um"], &["--spacing", "-1 um is outside its bounds"]),
-        (vec!["run", "--thickness", "0 um"], &["0 um is outside", "like --thickness \"10 um\""]),
-        (vec!["run", "--thickness", "-3 um"], &["-3 um is outside its bounds, above 0 um"]),
-        (
-            vec!["run", "--time-step", "0.1 ms"],
-            &["time step 0.1 ms exceeds the stability limit 0.00", "smaller step"],
-        ),
-        (
-            vec!["run", "--peak-tension", "50 mV"],
-            &["`50 mV` is a potential, but a pressure is needed", "kPa"],
-        ),
-        (vec!["run", "--model", "coelho"], &["no cell model is named `coelho`", "models"]),
-        (
-            vec!["run", "--integrator", "quasi-static", "--area-law", "printed"],
-            &["--area-law", "no energy", "area_law = \"gradient\"", "integrator = \"verlet\""],
-        ),
-        (
-            vec!["run", "--integrator", "quasi-static", "--area-law", "barycentric"],
-            &["--area-law", "no energy", "area_law = \"gradient\""],
-        ),
-        (
-            vec!["run", "--integrator", "quasi-static", "--active", "ends"],
-            &["--active", "active = \"fibre\"", "integrator = \"verlet\""],
-        ),
-        (
-            vec!["run", "--integrator", "quasi-static", "--time-step", "0.001 ms"],
-            &["--time-step", "no time step", "leave it out"],
-        ),
-        (
-            vec!["run", "slow.toml"],
-            &["delay the shape by", "drag_ratio", "Verlet", "more than 1 ms"],
-        ),
-        (
-            vec!["run", "--engine", "fused", "--active", "ends"],
-            &["engine = \"fused\"", "`end tension`", "engine = \"plain\""],
-        ),
-        (
-            vec!["run", "--engine", "fused", "--integrator", "velocity-verlet"],
-            &["engine = \"fused\"", "velocity Verlet"],
-        ),
-        (
-            vec!["run", "--myofibril-content", "content.csv"],
-            &["content.csv", "line 3", "content is -1", "from 0 to 100"],
-        ),
-        (
-            vec!["run", "--myofibril-content", "beside.csv"],
-            &["beside.csv", "[900.0, 900.0] to [990.0, 900.0] um", "same origin"],
-        ),
-        (
-            vec!["run", "--myofibril-content", "mm.csv"],
-            &["mm.csv", "its columns are `x_mm`, `y_mm`, `content`", "`x_um,y_um,content`"],
-        ),
-        (
-            vec!["run", "--myofibril-content", "tabs.csv"],
-            &["tabs.csv", "its one column, as separated by commas", "`x_um,y_um,content`"],
-        ),
-        (
-            vec!["run", "--myofibril-content", "rows.csv"],
-            &["rows.csv", "2 rows", "triangles: give one for each"],
-        ),
-        (
-            vec!["run", "--myofibril-content", "good.png"],
-            &["`good.png` is a picture", "give a table (.csv)"],
-        ),
-        (
-            vec!["run", "good.png", PIXELS[0], PIXELS[1], "--myofibril-content", "dark.png"],
-            &["`dark.png` is black everywhere in the cell"],
-        ),
-        (
-            vec!["run", "good.png", PIXELS[0], PIXELS[1], "--myofibril-content", "speck.png"],
-            &["`speck.png` has [40, 40] pixels", "[80, 80]", "same frame"],
-        ),
-        (vec!["run", "--integrator", "quasistatic"], &["did you mean `quasi-static`?"]),
-        (vec!["run", "--support", "spring-held-ends"], &["end_stiffness` is missing", "nN/um"]),
-        (
-            vec!["run", "--bed-stiffness", "1 kPa/um"],
-            &["--bed-stiffness", "support = \"elastic-bed\""],
-        ),
-        (vec!["run", "--area-law", "gradeint"], &["did you mean `gradient`?"]),
-        (
-            vec!["run", "unknown_key.toml"],
-            &["unknown_key.toml:2:1", "did you mean `thickness`?", "keys in [material]"],
-        ),
-        (vec!["run", "nan.toml"], &["nan.toml:2:16", "is not a finite number"]),
-        (
-            vec!["run", "wrong_unit.toml"],
-            &["wrong_unit.toml:2:16", "is a potential", "peak_tension = \"50 kPa\""],
-        ),
-        (vec!["run", "nothing.toml"], &["cannot read `nothing.toml`"]),
-        (vec!["run", "file"], &["has an ending that is not known", ".png"]),
-        (
-            vec!["run", "cell.czi"],
-            &["`cell.czi`: this is a Zeiss CZI file", "export it as OME-TIFF"],
-        ),
-        (vec!["segment", "cell.JPG"], &["`cell.JPG`: this is a JPEG picture", "save the original"]),
-        (vec!["run", "missing.nd2"], &["cannot read `missing.nd2`"]),
-        (vec!["segment", "dish"], &["`dish` is a folder", "myospring batch dish"]),
-        (vec!["run", "dish"], &["`dish` is a folder", "myospring batch dish"]),
-        (vec!["batch", "dish"], &["holds no file like *.png", "1 .lif", "Leica LIF", "OME-TIFF"]),
-        (
-            vec!["run", "czi.toml"],
-            &["shape.picture", "this is a Zeiss CZI file", "export it as OME-TIFF"],
-        ),
-        (
-            vec!["run", "damaged.roi", PIXELS[0], PIXELS[1]],
-            &["damaged.roi is damaged, or not a valid ImageJ ROI", "save it again in Fiji"],
-        ),
-        (
-            vec!["run", "good.png", PIXELS[0], PIXELS[1], "--outline", "damaged.roi"],
-            &["damaged.roi is damaged, or not a valid ImageJ ROI"],
-        ),
-        (vec!["run", "beat.csv"], &["a table of measured curves", "`myospring analyse beat.csv`"]),
-        (vec!["segment", "beat.csv"], &["a table of measured curves", "fit --to beat.csv"]),
-        (vec!["track", "beat.csv"], &["a table of measured curves", "analyse beat.csv"]),
-        (vec!["batch", "beat.csv"], &["a table of measured curves", "analyse beat.csv"]),
-        (vec!["run", "film.avi"], &["`film.avi` is a film", "`myospring track film.avi`"]),
-        (vec!["analyse", "film.avi"], &["`film.avi` is a film", "`myospring track film.avi`"]),
-        (vec!["segment", "film.avi"], &["is a film", "`myospring track film.avi`"]),
-        (vec!["mesh", "film.avi"], &["is a film", "`myospring track film.avi`"]),
-        (vec!["compare", "film.avi", "a"], &["is a film", "`myospring track film.avi`"]),
-        (vec!["study", "run", "film.avi"], &["is a film", "`myospring track film.avi`"]),
-        (vec!["analyse", "good.png"], &["is a picture", "`myospring run good.png`"]),
-        (vec!["batch", "good.png"], &["is a picture", "`myospring run good.png`"]),
-        (vec!["track", "drawn.geojson"], &["is an outline", "`myospring run drawn.geojson`"]),
-        (vec!["run", "study.toml"], &["the description of a study", "study run study.toml"]),
-        (vec!["study", "run", "nan.toml"], &["is a run file", "`myospring run nan.toml`"]),
-        (vec!["run", "drug.toml"], &["a file of doses", "--doses drug.toml"]),
-        (vec!["run", "frames"], &["a folder of pictures", "batch frames", "track frames"]),
-        (vec!["analyse", "frames"], &["a folder of pictures", "batch frames"]),
-        (vec!["run", "beaten"], &["the results of a run", "`myospring run beaten/run.toml`"]),
-        (vec!["run", "my", "cell.png"], &["needs quotes", "write \"my cell.png\""]),
-        (
-            vec!["run", "--pixel-size", "0.27", "um"],
-            &["a value with a space needs quotes", "write --pixel-size \"0.27 um\""],
-        ),
-        (
-            vec!["run", "good.png", "--pixel-size", "0,27 um"],
-            &["has a comma in its number", "write \"0.27 um\""],
-        ),
-        (
-            vec!["run", "good.png", "--pixel-size", "0.27 UM"],
-            &["unknown unit `UM`", "did you mean \"0.27 um\"?"],
-        ),
-        (
-            vec!["analyse", "beat.csv", "--stimulus-times", "0,1 s"],
-            &["`0` has no unit", "decimals with a point"],
-        ),
-        (
-            vec!["batch", "--table", "pictures.csv"],
-            &["`pictures.csv`", "line 2, column `file`", "cell.tif"],
-        ),
-        (vec!["batch"], &["<FOLDER>"]),
-        (
-            vec![
-                "run",
-                "good.png",
-                PIXELS[0],
-                PIXELS[1],
-                "--min-area",
-                "9000 um^2",
-                "--max-area",
-                "900 um^2",
-            ],
-            &["segmentation.min_area", "the least area must be below the largest"],
-        ),
-        (vec!["run", "--output", "file/results"], &["cannot write results to `file/results`"]),
-        (vec!["run", "--output", "file"], &["cannot write results to `file`"]),
-        (vec!["mesh", "--output", "file/results"], &["cannot write results"]),
-        (vec!["paper", "--output", "file/results"], &["cannot write results"]),
-        (vec!["models", "cohelo_2021"], &["did you mean `coelho_2021`?"]),
-        (vec!["init", "file/beat.toml"], &["cannot write", "beat.toml"]),
-        (vec!["film.avi"], &["a film, not a command", "`myospring track film.avi`"]),
-        (vec!["study"], &["Usage: myospring study [OPTIONS] <COMMAND>", "init"]),
-        (vec!["rum"], &["there is no command `rum`; did you mean `run`?"]),
-        (vec!["--model", "land_2017"], &["write myospring run --model"]),
-        (vec!["run", "--thicknes", "1 um"], &["unexpected argument", "--thickness"]),
-        (vec![], &["Usage: myospring"]),
-    ];
     let folder = workplace();
     let before = listing(folder.path());
-    for (arguments, expected) in cases {
+    for (arguments, expected) in CASES {
         let output = Command::new(env!("CARGO_BIN_EXE_myospring"))
-            .args(&arguments)
+            .args(*arguments)
             .current_dir(folder.path())
             .env("NO_COLOR", "1")
             .output()
@@ -296,7 +301,7 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(output.stdout.is_empty(), "{arguments:?}: messages go to stderr");
-        for part in expected {
+        for part in *expected {
             assert!(message.contains(part), "{arguments:?} lacks `{part}`:\n{message}");
         }
         assert!(!message.contains('\u{1b}'), "{arguments:?}: NO_COLOR");

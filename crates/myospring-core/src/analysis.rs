@@ -5,7 +5,9 @@
 
 pub mod action_potential;
 pub mod alternans;
+pub mod bands;
 pub mod beat;
+pub mod beats;
 pub mod capture;
 pub mod contraction;
 pub mod curve;

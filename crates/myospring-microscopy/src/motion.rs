@@ -398,6 +398,40 @@ impl<'a> Follower<'a> {
         (total > 0.0).then(|| Warp { shift: all.shift.map(|shift| shift / total), ..all })
     }
 
+    /// Displacements of the points in each frame without that of the stage, and that of the stage, um.
+    fn displacements(&self, done: &[Frame], stage: Stage) -> (Vec<[Vec<f64>; 2]>, Vec<[f64; 2]>) {
+        let pixel_um = self.cell.pixel_size.um();
+        let (mut displacements_um, mut stage_um) = (Vec::new(), Vec::new());
+        let mut last = [0.0; 2];
+        let areas = &self.cell.mesh.areas;
+        let total: f64 = areas.iter().sum();
+        for frame in done {
+            let along = |axis: usize| -> Vec<f64> {
+                let sign = if axis == 0 { pixel_um } else { -pixel_um };
+                frame.field.warps.iter().map(|warp| sign * f64::from(warp.shift[axis])).collect()
+            };
+            let mut moved = [along(0), along(1)];
+            let stage = match stage {
+                Stage::Background { .. } => {
+                    let shift = frame.stage.map(|[x, y]| [f64::from(x), -f64::from(y)]);
+                    shift.map_or(last, |shift| shift.map(|shift| shift * pixel_um))
+                }
+                Stage::CellMean => [0, 1].map(|axis: usize| {
+                    moved[axis].iter().zip(areas).map(|(u, area)| u * area).sum::<f64>() / total
+                }),
+            };
+            last = stage;
+            for (moved, stage) in moved.iter_mut().zip(stage) {
+                for u in moved {
+                    *u -= stage;
+                }
+            }
+            displacements_um.push(moved);
+            stage_um.push(stage);
+        }
+        (displacements_um, stage_um)
+    }
+
     /// Combines the frames that were done.
     fn motion(&self, frames: Vec<Option<Frame>>) -> Result<CellMotion, MotionError> {
         let numbers: Vec<usize> = (0..frames.len()).filter(|&at| frames[at].is_some()).collect();
@@ -428,34 +462,7 @@ impl<'a> Follower<'a> {
             }
             _ => Stage::CellMean,
         };
-        let (mut displacements_um, mut stage_um) = (Vec::new(), Vec::new());
-        let mut last = [0.0; 2];
-        let areas = &self.cell.mesh.areas;
-        let total: f64 = areas.iter().sum();
-        for frame in &done {
-            let along = |axis: usize| -> Vec<f64> {
-                let sign = if axis == 0 { pixel_um } else { -pixel_um };
-                frame.field.warps.iter().map(|warp| sign * f64::from(warp.shift[axis])).collect()
-            };
-            let mut moved = [along(0), along(1)];
-            let stage = match stage {
-                Stage::Background { .. } => {
-                    let shift = frame.stage.map(|[x, y]| [f64::from(x), -f64::from(y)]);
-                    shift.map_or(last, |shift| shift.map(|shift| shift * pixel_um))
-                }
-                Stage::CellMean => [0, 1].map(|axis: usize| {
-                    moved[axis].iter().zip(areas).map(|(u, area)| u * area).sum::<f64>() / total
-                }),
-            };
-            last = stage;
-            for (moved, stage) in moved.iter_mut().zip(stage) {
-                for u in moved {
-                    *u -= stage;
-                }
-            }
-            displacements_um.push(moved);
-            stage_um.push(stage);
-        }
+        let (displacements_um, stage_um) = self.displacements(&done, stage);
         let periods: Vec<Vec<Option<f32>>> =
             done.iter().map(|frame| frame.periods.clone()).collect();
         let sarcomeres = self.stripes.lengths(&periods, pixel_um);

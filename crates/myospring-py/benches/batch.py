@@ -1,7 +1,7 @@
 """What `simulate_batch` costs beyond the same loop in Rust, and what a study takes in memory.
 
     pip install .                                              # or any wheel of this package
-    cargo build --release -p myospring --example batch_loop    # built as the wheel was
+    cargo build --release -p myospring-verification --example batch_loop    # built as the wheel was
     python benches/batch.py ../../target/release/examples/batch_loop
 
 Pairs of runs, one after the other and each first in turn, so that a busy machine is busy for both; times of the

@@ -6,7 +6,7 @@ use crate::waiting::interruptible;
 use crate::{errors, settings, words};
 use ciborium::{from_reader, into_writer};
 use myospring::analysis::Metric;
-use myospring::analysis::beat::Beats;
+use myospring::analysis::beats::Beats;
 use myospring::experiment::run::{ALL, FinishedRun, NONE, OUTPUTS, Output, PreparedRun, chosen};
 use myospring::experiment::{ExperimentError, Folder, Observer};
 use myospring::integrate::engine::EngineUsed;

@@ -1,7 +1,7 @@
 //! The numbers of a beat by name.
 
 use myospring::analysis::Metric;
-use myospring::analysis::beat::known;
+use myospring::analysis::beats::known;
 use pyo3::prelude::*;
 
 /// All metrics of a beat in the order of reading: name, unit, definition.

@@ -53,6 +53,25 @@ def test_examples_in_the_documentation_run():
     assert sum(result.attempted for result in results) > 10
 
 
+def test_modules_import_each_other_without_a_circle():
+    modules = {path.stem: ast.parse(path.read_text()) for path in Path(myospring.__file__).parent.glob("*.py")}
+    imports = [(name, node) for name, tree in modules.items() for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    uses = {name: set() for name in modules}
+    for name, node in imports:
+        package, _, module = (node.module or "").partition(".")
+        if package == "myospring":
+            # `from myospring import _native` names a module, `from myospring import Cell` the package itself.
+            found = {module} if module else {one.name if one.name.startswith("_") else "__init__" for one in node.names}
+            uses[name] |= found & modules.keys()
+    assert len(uses["__init__"]) > 10
+    while free := [name for name, used in uses.items() if not used]:
+        for name in free:
+            del uses[name]
+        for used in uses.values():
+            used.difference_update(free)
+    assert not uses, f"these modules import each other in circles: {uses}"
+
+
 def test_every_public_name_is_explained():
     for name in myospring.__all__:
         thing = getattr(myospring, name)

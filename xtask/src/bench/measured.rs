@@ -4,7 +4,7 @@ use crate::tools::root;
 use serde_json::Value;
 use std::process::Command;
 
-/// An example of the library as built for release.
+/// A program of `verification/examples` as built for release.
 pub(super) fn example(name: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new(root().join("target/release/examples").join(name));
     command.args(arguments);

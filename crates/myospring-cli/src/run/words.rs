@@ -2,7 +2,8 @@
 
 use crate::table::{aligned, number};
 use myospring::analysis::Metric;
-use myospring::analysis::beat::{Beat, band};
+use myospring::analysis::bands::band;
+use myospring::analysis::beat::Beat;
 use myospring::analysis::summary::Summary;
 use myospring::experiment::run::{RunNumbers, WrittenOutputs};
 use myospring::settings::Run;

@@ -76,6 +76,42 @@ pub(super) fn of_upstroke(
     rows
 }
 
+/// The durations: part of the repolarisation, name, and definition with a stimulus and without.
+const DURATIONS: [(f64, &str, [&str; 2]); 4] = [
+    (
+        0.3,
+        "action_potential_duration_30",
+        [
+            "from the stimulus to 30 % repolarisation",
+            "from the steepest rise to 30 % repolarisation",
+        ],
+    ),
+    (
+        0.5,
+        "action_potential_duration_50",
+        [
+            "from the stimulus to 50 % repolarisation",
+            "from the steepest rise to 50 % repolarisation",
+        ],
+    ),
+    (
+        0.8,
+        "action_potential_duration_80",
+        [
+            "from the stimulus to 80 % repolarisation",
+            "from the steepest rise to 80 % repolarisation",
+        ],
+    ),
+    (
+        0.9,
+        "action_potential_duration_90",
+        [
+            "from the stimulus to 90 % repolarisation",
+            "from the steepest rise to 90 % repolarisation",
+        ],
+    ),
+];
+
 /// Metrics of an action potential from the pulse of its height above rest; durations run from the
 /// stimulus, or from the steepest rise if no stimulus is known.
 pub fn of_pulse(
@@ -91,9 +127,6 @@ pub fn of_pulse(
         None => upstroke.map(|upstroke| upstroke.time),
     };
     let duration = |part: f64| between(pulse.falls(1.0 - part), start);
-    let from = |stimulus: &'static str, upstroke: &'static str| {
-        if context.stimulus.is_some() { stimulus } else { upstroke }
-    };
     let mut rows = vec![
         row("resting_potential", recorded(rest), unit, context.rest),
         row(
@@ -102,42 +135,11 @@ pub fn of_pulse(
             unit,
             "largest potential",
         ),
-        row(
-            "action_potential_duration_30",
-            duration(0.3),
-            "ms",
-            from(
-                "from the stimulus to 30 % repolarisation",
-                "from the steepest rise to 30 % repolarisation",
-            ),
-        ),
-        row(
-            "action_potential_duration_50",
-            duration(0.5),
-            "ms",
-            from(
-                "from the stimulus to 50 % repolarisation",
-                "from the steepest rise to 50 % repolarisation",
-            ),
-        ),
-        row(
-            "action_potential_duration_80",
-            duration(0.8),
-            "ms",
-            from(
-                "from the stimulus to 80 % repolarisation",
-                "from the steepest rise to 80 % repolarisation",
-            ),
-        ),
-        row(
-            "action_potential_duration_90",
-            duration(0.9),
-            "ms",
-            from(
-                "from the stimulus to 90 % repolarisation",
-                "from the steepest rise to 90 % repolarisation",
-            ),
-        ),
+    ];
+    rows.extend(DURATIONS.map(|(part, name, definitions)| {
+        row(name, duration(part), "ms", definitions[usize::from(context.stimulus.is_none())])
+    }));
+    rows.extend([
         row("triangulation", between(duration(0.9), duration(0.3)), "ms", "APD90 - APD30"),
         row(
             "maximum_upstroke_velocity",
@@ -155,7 +157,7 @@ pub fn of_pulse(
                 (None, None) => "largest slope between samples",
             },
         ),
-    ];
+    ]);
     if context.onset.is_some() {
         rows.push(row(
             "action_potential_amplitude",

@@ -55,9 +55,6 @@ pub fn of_length(
     context: &Context,
 ) -> Vec<Metric> {
     let peak = pulse.peak();
-    // 1/ms to 1/s
-    let fastest = |sign: f64| pulse.fastest(sign).map(|top| 1e3 * top.value);
-    let velocity = |sign: f64| Ok(fastest(sign)? * recorded(rest)?);
     let mut rows = vec![
         row("resting_length", recorded(rest), unit, context.rest),
         row(
@@ -80,43 +77,7 @@ pub fn of_length(
         ),
     ];
     rows.extend(timing(pulse, context));
-    rows.extend([
-        row(
-            "maximum_shortening_rate",
-            fastest(1.0),
-            "L0/s",
-            "largest rate of shortening per resting length",
-        ),
-        row(
-            "shortening_rate_over_peak",
-            peak.and_then(|peak| Ok(fastest(1.0)? / peak.value)),
-            "1/s",
-            "largest rate of shortening over the peak shortening: the shape of a beat, whatever its size",
-        ),
-        row(
-            "maximum_relengthening_rate",
-            fastest(-1.0),
-            "L0/s",
-            "largest rate of relengthening per resting length",
-        ),
-    ]);
-    // For a dimensionless length, velocities equal these rates.
-    if !unit.is_empty() {
-        rows.extend([
-            row(
-                "maximum_shortening_velocity",
-                velocity(1.0),
-                per_second(unit),
-                "largest velocity of shortening, end to end",
-            ),
-            row(
-                "maximum_relengthening_velocity",
-                velocity(-1.0),
-                per_second(unit),
-                "largest velocity of relengthening, end to end",
-            ),
-        ]);
-    }
+    rows.extend(rates(pulse, rest, unit));
     rows.extend([
         row(
             "relaxation_time_constant",
@@ -197,6 +158,51 @@ fn timing(pulse: &Pulse, context: &Context) -> Vec<Metric> {
             "time above 90 % of the peak shortening",
         ),
     ]);
+    rows
+}
+
+/// Largest rates of shortening and relengthening.
+fn rates(pulse: &Pulse, rest: Option<f64>, unit: &'static str) -> Vec<Metric> {
+    // 1/ms to 1/s
+    let fastest = |sign: f64| pulse.fastest(sign).map(|top| 1e3 * top.value);
+    let velocity = |sign: f64| Ok(fastest(sign)? * recorded(rest)?);
+    let mut rows = vec![
+        row(
+            "maximum_shortening_rate",
+            fastest(1.0),
+            "L0/s",
+            "largest rate of shortening per resting length",
+        ),
+        row(
+            "shortening_rate_over_peak",
+            pulse.peak().and_then(|peak| Ok(fastest(1.0)? / peak.value)),
+            "1/s",
+            "largest rate of shortening over the peak shortening: the shape of a beat, whatever its size",
+        ),
+        row(
+            "maximum_relengthening_rate",
+            fastest(-1.0),
+            "L0/s",
+            "largest rate of relengthening per resting length",
+        ),
+    ];
+    // For a dimensionless length, velocities equal these rates.
+    if !unit.is_empty() {
+        rows.extend([
+            row(
+                "maximum_shortening_velocity",
+                velocity(1.0),
+                per_second(unit),
+                "largest velocity of shortening, end to end",
+            ),
+            row(
+                "maximum_relengthening_velocity",
+                velocity(-1.0),
+                per_second(unit),
+                "largest velocity of relengthening, end to end",
+            ),
+        ]);
+    }
     rows
 }
 

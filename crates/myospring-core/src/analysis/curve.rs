@@ -28,22 +28,25 @@ mod beat;
 mod detect;
 mod noise;
 mod possible;
+mod remarks;
 mod rhythm;
 mod smooth;
+mod smoothing;
+mod span;
 #[cfg(test)]
 mod tests;
 mod upstroke;
 
-use super::holes::{self, Hole};
+use super::holes;
 use super::kind::Kind;
-use super::order::median;
-use super::{Metric, rest, trace};
+use super::rest;
 pub use agreement::compare;
 use answer::LEAST_FRAMES;
 pub use answer::{Analysis, Artefact, CurveBeat, CurveError, Mark, State, Treatment};
-use beat::Reader;
 use detect::Known;
 use noise::Noise;
+use smoothing::{Smoothing, median_step};
+use span::Reader;
 use std::cmp::Ordering;
 
 /// Shortest beat at half its height, ms: contractions and transients of mice last about 50 ms
@@ -54,9 +57,6 @@ const SHORTEST_POTENTIAL_MS: f64 = 2.0;
 /// A pulse that stays above half of its height for longer may be drift, ms; human ventricular
 /// potentials last about 400 ms.
 const LONGEST_MS: f64 = 1500.0;
-
-/// Noise after smoothing, as a part of a beat's height.
-const SMOOTH_TO: f64 = 0.005;
 
 /// Noise of a beat's mean resting value, as a part of a beat's height.
 const REST_TO: f64 = 0.002;
@@ -107,51 +107,35 @@ pub fn analyse(
 ) -> Result<Analysis, CurveError> {
     check(times, values)?;
     possible::check_values(values, kind, unit)?;
-    let plateau = kind == Kind::Potential;
-    let Cleaned { rises, mut signal, bad, artefacts, against, usual, replaced } =
+    let Cleaned { rises, signal, bad, artefacts, hum, against, usual, replaced } =
         clean(times, values, kind);
-    let height = usual.as_ref().map(|usual| usual.height);
     let sign = if rises { 1.0 } else { -1.0 };
-    let hum = noise::hum(times, &signal);
-    if let Some(hum) = &hum {
-        signal.iter_mut().zip(&hum.wave).for_each(|(value, wave)| *value -= wave);
-    }
     // Lines that replace artefacts have no noise and are left out.
     let noise = noise_of(&artefacts::without(&signal, &replaced), usual.as_ref());
-    let level = noise.sd;
     let stimuli = stimuli_within(times, &options.stimuli_ms)?;
     let known = Known {
-        plateau,
-        height,
+        plateau: kind == Kind::Potential,
+        height: usual.as_ref().map(|usual| usual.height),
         width: usual.as_ref().map(|usual| usual.width),
         noise: Some(noise),
         stimuli: stimuli.as_deref().unwrap_or_default(),
     };
     let found = detect::beats(times, &signal, known);
+    let no_beat = |hint| CurveError::NoBeat { noise: noise.sd, least: found.least, unit, hint };
     if found.peaks.is_empty() {
-        let turned: Vec<f64> = signal.iter().map(|value| -value).collect();
-        let known = Known { plateau, ..Known::default() };
-        let beats_turned = || !detect::beats(times, &turned, known).peaks.is_empty();
-        let hint = if kind.rises().is_some() && !departs_upward(&signal) && beats_turned() {
-            "; its pulses point the other way: is its kind right?"
-        } else {
-            ""
-        };
-        return Err(CurveError::NoBeat { noise: level, least: found.least, unit, hint });
+        return Err(no_beat(direction_hint(times, &signal, kind)));
     }
-    let half = half_window(times, &signal, &found, noise, options);
-    let smoothed = smooth::smooth(times, &signal, half);
-    let steep = half_of_slopes(times, &signal, &found, noise, options);
-    let slopes = (steep > 0).then(|| smooth::slopes(times, &signal, steep));
+    let smoothing = Smoothing::of(times, &signal, &found, noise, options.smoothing_ms);
     let holes = holes::of(times);
+    let step = median_step(times);
     let reader = Reader {
-        slopes: slopes.as_deref(),
         times,
         signal: &signal,
-        smoothed: &smoothed,
+        smoothed: &smoothing.values,
+        slopes: smoothing.slopes.as_deref(),
         level: noise.rough,
-        noise: noise.behind(half),
-        noise_ms: noise.memory * (noise.sd / (REST_TO * found.usual)).powi(2) * median_step(times),
+        noise: noise.behind(smoothing.half),
+        noise_ms: noise.memory * (noise.sd / (REST_TO * found.usual)).powi(2) * step,
         sign,
         kind,
         unit,
@@ -159,63 +143,71 @@ pub fn analyse(
         keep_drift: options.keep_drift,
         artefacts: &artefacts,
         holes: &holes,
-        half: half.max(steep),
+        half: smoothing.widest(),
     };
     let mut beats = match &stimuli {
         Some(stimuli) => reader.after(stimuli),
         None => reader.found(),
     };
     if !beats.iter().any(|beat| beat.state != State::Missed) {
-        return Err(CurveError::NoBeat {
-            noise: level,
-            least: found.least,
-            unit,
-            hint: " after any stimulus",
-        });
+        return Err(no_beat(" after any stimulus"));
     }
     possible::check_beats(&beats, times, kind, unit)?;
-    let mut remarks = artefact_remarks(&artefacts, &beats);
-    remarks.extend(hole_remark(&holes));
+    let mut remarks = remarks::on_artefacts(&artefacts, &beats);
+    remarks.extend(remarks::on_holes(&holes));
     remarks.extend(possible::doubt(&beats, kind));
     remarks.extend(rhythm::remarks(&mut beats, stimuli.is_some()));
     let rivalled = usual.as_ref().is_some_and(|usual| usual.rivalled);
     remarks.extend(rhythm::crowded(&beats, artefacts.len() + bad.len(), rivalled));
-    remarks.extend(doubts(times, &signal, &beats, &found, kind, rises, against));
-    let step = median_step(times);
-    let window =
-        |half: usize| format!("{} frames, {:.1} ms", 2 * half + 1, 2.0 * half as f64 * step);
+    if against || beats.len() > 1 && is_lopsided(times, &signal, &found, kind) {
+        remarks.push(remarks::on_direction(kind, rises));
+    }
+    remarks.extend(remarks::on_sampling(&beats, kind, step));
+    let read = smoothing.values.iter().map(|value| sign * value).collect();
     let treatment = Treatment {
         rises,
-        beats: match &stimuli {
-            Some(stimuli) => format!("the pulse after each of {} stimuli", stimuli.len()),
-            None => format!(
-                "pulses higher than {:.4} {unit}, which noise does not reach, and than a fifth of the usual one",
-                found.least.max(0.2 * found.usual)
-            ),
-        },
+        beats: remarks::of_search(stimuli.as_deref(), found.least.max(0.2 * found.usual), unit),
         baseline: if stimuli.is_some() { rest::BEFORE_STIMULUS } else { rest::BEFORE_ONSET },
         drift: if options.keep_drift {
             "left in"
         } else {
             "subtracted: the line from the rest before each beat to that before the next, medians of three"
         },
-        smoothing: match half {
-            0 => "none".to_owned(),
-            half => format!("local parabolas over {}", window(half)),
+        smoothing: smoothing.words(step),
+        rates: match kind {
+            Kind::Potential => remarks::of_upstrokes(&beats),
+            _ => smoothing.words_of_slopes(step),
         },
-        rates: match (plateau, steep) {
-            (true, _) => upstroke_words(&beats),
-            (false, 0) => "slopes between frames".to_owned(),
-            (false, steep) => format!("slopes of lines over {}", window(steep)),
-        },
-        noise: level,
+        noise: noise.sd,
         bad_frames: bad.iter().map(|at| at + 1).collect(),
         artefacts,
         holes,
-        hum: hum.map(|hum| [hum.frequency_hz, hum.amplitude]),
+        hum,
     };
-    let read = smoothed.iter().map(|value| sign * value).collect();
     Ok(Analysis { beats, treatment, remarks, read })
+}
+
+/// What to try where no pulse is found: whether the curve has pulses that point the other way.
+fn direction_hint(times: &[f64], signal: &[f64], kind: Kind) -> &'static str {
+    let known = Known { plateau: kind == Kind::Potential, ..Known::default() };
+    let has_beats_turned = || !detect::beats(times, &turned(signal), known).peaks.is_empty();
+    if kind.rises().is_some() && !departs_upward(signal) && has_beats_turned() {
+        "; its pulses point the other way: is its kind right?"
+    } else {
+        ""
+    }
+}
+
+/// Whether the pulses of a curve may point against the direction of its kind. A curve of beats with rest in
+/// between is asymmetric; inverted, the rest forms broad pulses.
+fn is_lopsided(times: &[f64], signal: &[f64], found: &detect::Found, kind: Kind) -> bool {
+    kind.rises().is_some()
+        && !departs_upward(signal)
+        && detect::beats(times, &turned(signal), Known::default()).usual > 0.8 * found.usual
+}
+
+fn turned(signal: &[f64]) -> Vec<f64> {
+    signal.iter().map(|value| -value).collect()
 }
 
 fn check(times: &[f64], values: &[f64]) -> Result<(), CurveError> {
@@ -238,7 +230,7 @@ fn check(times: &[f64], values: &[f64]) -> Result<(), CurveError> {
     Ok(())
 }
 
-/// A curve without artefacts.
+/// A curve without artefacts and hum.
 struct Cleaned {
     rises: bool,
     /// The curve, with sign such that beats rise.
@@ -246,6 +238,8 @@ struct Cleaned {
     /// Single frames that were replaced.
     bad: Vec<usize>,
     artefacts: Vec<Artefact>,
+    /// Frequency, Hz, and amplitude of the mains hum that was subtracted.
+    hum: Option<[f64; 2]>,
     /// Whether the pulses of the curve point against the direction of its kind.
     against: bool,
     /// The usual beat.
@@ -280,7 +274,7 @@ fn removed(of: &Side) -> usize {
     of.1.1.iter().map(|artefact| artefact.to + 1 - artefact.from).sum()
 }
 
-/// Replaces artefacts by lines, and determines the direction of a curve if its kind does not.
+/// Replaces artefacts by lines, subtracts hum, and determines the direction of a curve if its kind does not.
 fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
     let plateau = kind == Kind::Potential;
     let lasts = [if plateau { SHORTEST_POTENTIAL_MS } else { SHORTEST_MS }, LONGEST_MS];
@@ -332,7 +326,11 @@ fn clean(times: &[f64], values: &[f64], kind: Kind) -> Cleaned {
         long: artefact.long,
     });
     let artefacts = artefacts.collect();
-    Cleaned { rises, signal, bad, artefacts, against, usual: beats, replaced }
+    let hum = noise::hum(times, &signal).map(|hum| {
+        signal.iter_mut().zip(&hum.wave).for_each(|(value, wave)| *value -= wave);
+        [hum.frequency_hz, hum.amplitude]
+    });
+    Cleaned { rises, signal, bad, artefacts, hum, against, usual: beats, replaced }
 }
 
 /// The noise of a curve, with a correlation time shorter than a beat.
@@ -353,70 +351,6 @@ fn departs_upward(values: &[f64]) -> bool {
     departures.map(|departure| departure.powi(3)).sum::<f64>() >= 0.0
 }
 
-/// Number of samples to each side in the smoothing window.
-fn half_window(
-    times: &[f64],
-    signal: &[f64],
-    found: &detect::Found,
-    noise: Noise,
-    options: &CurveOptions,
-) -> usize {
-    let step = median_step(times);
-    if let Some(half_ms) = options.smoothing_ms {
-        return (half_ms / step).round().max(0.0) as usize;
-    }
-    if noise.sd <= SMOOTH_TO * found.usual {
-        return 0;
-    }
-    let rough = smooth::smooth(times, signal, found.half);
-    let mut widths: Vec<f64> =
-        found.peaks.iter().map(|peak| detect::width_at_half(times, &rough, peak)).collect();
-    widths.sort_by(f64::total_cmp);
-    let width = widths.get(widths.len() / 2).copied().unwrap_or(0.0);
-    // 3/2 / sqrt((2 half + 1) / memory) sd = SMOOTH_TO usual
-    let wanted = (noise.memory * (1.5 * noise.sd / (SMOOTH_TO * found.usual)).powi(2) - 1.0) / 2.0;
-    wanted.min(width / 8.0 / step).round().max(0.0) as usize
-}
-
-/// Number of samples to each side in the lines whose slopes are the rates: enough to reduce their
-/// noise to a fiftieth of the usual rise's slope, over at most half of that rise.
-fn half_of_slopes(
-    times: &[f64],
-    signal: &[f64],
-    found: &detect::Found,
-    noise: Noise,
-    options: &CurveOptions,
-) -> usize {
-    if noise.sd <= SMOOTH_TO * SMOOTH_TO * found.usual || options.smoothing_ms == Some(0.0) {
-        return 0;
-    }
-    let rough = smooth::smooth(times, signal, found.half);
-    let mut rises: Vec<f64> = found
-        .peaks
-        .iter()
-        .filter_map(|peak| {
-            let top = rough[peak.at];
-            let crossing = |part: f64| {
-                let level = top - (1.0 - part) * peak.prominence;
-                trace::last_rise_through(times, &rough, level, times[0], times[peak.at])
-            };
-            Some(crossing(0.9)? - crossing(0.1)?)
-        })
-        .collect();
-    rises.sort_by(f64::total_cmp);
-    let Some(&rise) = rises.get(rises.len() / 2) else { return 0 };
-    let step = median_step(times);
-    let slope = 0.8 * found.usual / rise.max(step);
-    // sd sqrt(12 memory / frames^3) / step = slope / 50
-    let wanted = (12.0 * noise.memory * (50.0 * noise.sd / (slope * step)).powi(2)).cbrt();
-    let frames = wanted.min(0.5 * rise / step);
-    ((frames - 1.0) / 2.0).round().max(0.0) as usize
-}
-
-fn median_step(times: &[f64]) -> f64 {
-    median(times.windows(2).map(|pair| pair[1] - pair[0])).unwrap_or(1.0)
-}
-
 /// The stimuli within the recording, in order; `None` if none were given.
 fn stimuli_within(times: &[f64], stimuli: &[f64]) -> Result<Option<Vec<f64>>, CurveError> {
     if stimuli.is_empty() {
@@ -431,132 +365,4 @@ fn stimuli_within(times: &[f64], stimuli: &[f64]) -> Result<Option<Vec<f64>>, Cu
         return Err(CurveError::Stimuli { count: stimuli.len(), from, to });
     }
     Ok(Some(within))
-}
-
-/// Remarks on artefacts and on the beats that they affect.
-fn artefact_remarks(artefacts: &[Artefact], beats: &[CurveBeat]) -> Vec<String> {
-    let mut remarks = Vec::new();
-    let (long, short): (Vec<&Artefact>, Vec<&Artefact>) =
-        artefacts.iter().partition(|artefact| artefact.long);
-    for artefact in long {
-        remarks.push(format!(
-            "{:.1} s, from {:.0} to {:.0} ms, are left out: the signal there is not that of beats",
-            1e-3 * (artefact.to_ms - artefact.from_ms),
-            artefact.from_ms,
-            artefact.to_ms
-        ));
-    }
-    if !short.is_empty() {
-        let (what, are) = if short.len() == 1 { ("artefact", "is") } else { ("artefacts", "are") };
-        let times = listed(short.iter().map(|artefact| [artefact.from_ms, artefact.to_ms]));
-        remarks.push(format!("{} {what} {are} left out: {times}", short.len()));
-    }
-    let touched = beats.iter().filter(|beat| beat.state == State::Disturbed).count();
-    if touched > 0 {
-        let (what, count) = if touched == 1 { ("beat", "counts") } else { ("beats", "count") };
-        remarks.push(format!(
-            "{touched} {what} of {} that artefacts touch {count} in no mean",
-            beats.len()
-        ));
-    }
-    remarks
-}
-
-/// Remark on missing frames.
-fn hole_remark(holes: &[Hole]) -> Option<String> {
-    let usual = holes.first()?.usual_ms;
-    let times = listed(holes.iter().map(|hole| [hole.from_ms, hole.to_ms]));
-    Some(format!(
-        "frames are missing from {times}, where one should come every {usual:.4} ms: no metric is read across such a gap"
-    ))
-}
-
-/// The first of some intervals, ms, in words, and how many there are more.
-fn listed(intervals: impl ExactSizeIterator<Item = [f64; 2]>) -> String {
-    let more = match intervals.len().saturating_sub(rhythm::LISTED) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    let words = intervals.take(rhythm::LISTED).map(|[from, to]| format!("{from:.0} to {to:.0} ms"));
-    words.collect::<Vec<_>>().join(", ") + &more
-}
-
-/// The time over which the slopes of upstrokes were read, in words.
-fn upstroke_words(beats: &[CurveBeat]) -> String {
-    median_of(beats, "upstroke_window").map_or_else(String::new, |window| {
-        format!("the upstroke's slope over {window:.2} ms, chosen by the steepness of the upstroke")
-    })
-}
-
-fn median_of(beats: &[CurveBeat], name: &str) -> Option<f64> {
-    median(beats.iter().filter_map(|beat| super::value(&beat.metrics, name)))
-}
-
-/// Shortest and longest plausible interval between beats, ms.
-const INTERVALS_MS: [f64; 2] = [60.0, 30_000.0];
-
-/// Doubts about the results.
-fn doubts(
-    times: &[f64],
-    signal: &[f64],
-    beats: &[CurveBeat],
-    found: &detect::Found,
-    kind: Kind,
-    rises: bool,
-    against: bool,
-) -> Vec<String> {
-    let mut doubts = Vec::new();
-    if kind.rises().is_some() {
-        let turned: Vec<f64> = signal.iter().map(|value| -value).collect();
-        let other = detect::beats(times, &turned, Known::default());
-        // A curve of beats with rest in between is asymmetric; inverted, the rest forms broad
-        // pulses.
-        let lopsided = !departs_upward(signal) && other.usual > 0.8 * found.usual;
-        if against || lopsided && beats.len() > 1 {
-            doubts.push(format!(
-                "the curve's pulses point {}, but {} {} in a beat: is its kind right?",
-                if rises { "downward" } else { "upward" },
-                kind.name(),
-                if rises { "rises" } else { "falls" },
-            ));
-        }
-    }
-    let mut rises_ms: Vec<f64> = beats.iter().filter_map(|beat| rise_time(&beat.metrics)).collect();
-    rises_ms.sort_by(f64::total_cmp);
-    let step = median_step(times);
-    if let Some(&rise) = rises_ms.get(rises_ms.len() / 2)
-        && rise < 3.0 * step
-        && kind != Kind::Potential
-    {
-        doubts.push(format!(
-            "the rise from 10 to 90 % takes {rise:.1} ms, {:.1} frames: its times and rates are limited by the camera's frame rate",
-            rise / step
-        ));
-    }
-    if kind == Kind::Potential
-        && let Some(window) = median_of(beats, "upstroke_window")
-        && window < 1.5 * step
-    {
-        let wanted = 10.0 * step.recip();
-        doubts.push(format!(
-            "the upstroke is faster than the sampling, every {step:.4} ms, can show: the maximum upstroke velocity is at \
-             least the given value; record at {wanted:.0} kHz or more to measure it"
-        ));
-    }
-    let mut intervals: Vec<f64> =
-        beats.iter().filter_map(|beat| super::value(&beat.metrics, "interval")).collect();
-    intervals.sort_by(f64::total_cmp);
-    if let Some(&interval) = intervals.get(intervals.len() / 2)
-        && !(INTERVALS_MS[0]..=INTERVALS_MS[1]).contains(&interval)
-    {
-        doubts.push(format!(
-            "beats come every {interval:.4} ms, which is implausible for a heart cell: is the frame rate, or the unit of time, right?"
-        ));
-    }
-    doubts
-}
-
-fn rise_time(metrics: &[Metric]) -> Option<f64> {
-    super::value(metrics, "rise_time_10_90")
-        .or_else(|| super::value(metrics, "tension_rise_time_10_90"))
 }

@@ -171,7 +171,8 @@ pub fn rows(
 
 #[cfg(test)]
 mod tests {
-    use crate::analysis::beat::{Beat, Beats};
+    use crate::analysis::beat::Beat;
+    use crate::analysis::beats::Beats;
     use crate::recording::{Recording, Sample};
 
     /// An upstroke to 100 that goes straight back to 0 within a time.

@@ -1,6 +1,8 @@
 //! The numbers of one run, each with unit and definition.
 
-use super::beat::{Band, Beat, Beats};
+use super::bands::Band;
+use super::beat::Beat;
+use super::beats::Beats;
 use super::rhythm::Rhythm;
 use super::{Metric, Spread};
 use crate::mesh::quality::MeshReport;

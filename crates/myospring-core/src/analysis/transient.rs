@@ -15,7 +15,6 @@ pub fn of_pulse(
     context: &Context,
 ) -> Vec<Metric> {
     let peak = pulse.peak();
-    let time = peak.map(|peak| peak.time);
     let fastest = |sign: f64| pulse.fastest(sign).map(|top| 1e3 * top.value);
     let mut rows = vec![
         row("diastolic_level", Ok(rest), unit, context.rest),
@@ -35,15 +34,43 @@ pub fn of_pulse(
             "(F - F0) / F0 at the peak, F0 the baseline there; meaningful only if the background was subtracted",
         ));
     }
-    rows.extend(peak_times(
-        time,
+    rows.extend(timing(pulse, context));
+    rows.extend([
+        row("maximum_rise_rate", fastest(1.0), per_second(unit), "largest slope of the rise"),
+        row(
+            "maximum_decay_rate",
+            fastest(-1.0),
+            per_second(unit),
+            "largest slope of the fall, as a positive number",
+        ),
+        row(
+            "decay_time_constant",
+            pulse.time_constant(),
+            "ms",
+            "slope of the logarithm between 50 % and 90 % decayed",
+        ),
+        row(
+            "area_under_curve",
+            pulse.area(),
+            times_ms(unit),
+            "integral above the diastolic level over the beat",
+        ),
+    ]);
+    rows
+}
+
+/// Times of a transient.
+fn timing(pulse: &Pulse, context: &Context) -> Vec<Metric> {
+    let peak = pulse.peak().map(|peak| peak.time);
+    let mut rows = peak_times(
+        peak,
         context,
         [
             ["time_of_peak", "time of the largest value on the clock of the recording"],
             ["time_to_peak_from_stimulus", "from the stimulus to the peak (IonOptix)"],
         ],
         "time_to_peak_from_onset",
-    ));
+    );
     rows.extend([
         row(
             "rise_time_10_90",
@@ -53,13 +80,13 @@ pub fn of_pulse(
         ),
         row(
             "decay_time_50",
-            between(pulse.falls(0.5), time),
+            between(pulse.falls(0.5), peak),
             "ms",
             "from the peak until 50 % decayed",
         ),
         row(
             "decay_time_90",
-            between(pulse.falls(0.1), time),
+            between(pulse.falls(0.1), peak),
             "ms",
             "from the peak until 90 % decayed",
         ),
@@ -80,25 +107,6 @@ pub fn of_pulse(
             pulse.duration(0.1),
             "ms",
             "time above 10 % of the amplitude (CaTD90)",
-        ),
-        row("maximum_rise_rate", fastest(1.0), per_second(unit), "largest slope of the rise"),
-        row(
-            "maximum_decay_rate",
-            fastest(-1.0),
-            per_second(unit),
-            "largest slope of the fall, as a positive number",
-        ),
-        row(
-            "decay_time_constant",
-            pulse.time_constant(),
-            "ms",
-            "slope of the logarithm between 50 % and 90 % decayed",
-        ),
-        row(
-            "area_under_curve",
-            pulse.area(),
-            times_ms(unit),
-            "integral above the diastolic level over the beat",
         ),
     ]);
     rows

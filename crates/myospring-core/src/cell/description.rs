@@ -110,7 +110,7 @@ impl TensionKind {
 }
 
 /// A known deviation of a model with published parameters from the reference bands
-/// ([`BANDS`](crate::analysis::beat::BANDS)).
+/// ([`BANDS`](crate::analysis::bands::BANDS)).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KnownDeparture {
     /// `shortening_rate_over_peak` of a free cell, 1/s; outside its band.

@@ -1,7 +1,7 @@
 //! Stimuli that raised no action potential, and alternans.
 
 use super::Outcome;
-use crate::analysis::beat::Beats;
+use crate::analysis::beats::Beats;
 use crate::analysis::value;
 
 /// Warnings about the rhythm.

@@ -300,34 +300,45 @@ impl Simulation {
         if let Some(speed) = self.wave_speed {
             value("the speed of the wave", speed, "um/ms", true)?;
         }
-        let field = match self.activation.as_ref().map(|activation| activation.sites()) {
+        let field = self.has_field()?;
+        if self.active == ActiveLaw::Ends && self.myofibril_content.is_some() {
+            let because = "loads on the ends know no triangles; take the fibre law";
+            return conflict("a content of myofibrils", "the law of the ends", because);
+        }
+        if self.active == ActiveLaw::Ends && field {
+            let because = "loads on the ends know one tension only; take the fibre law";
+            return conflict("a tension for each triangle", "the law of the ends", because);
+        }
+        self.check_support(field)?;
+        if self.material.retardation_time > 0.0 {
+            self.check_retardation(field)?;
+        }
+        self.check_engine()
+    }
+
+    /// Whether triangles have tensions of their own.
+    fn has_field(&self) -> Result<bool, SettingError> {
+        match self.activation.as_ref().map(|activation| activation.sites()) {
             Some(Sites::PerElement(found)) => {
                 let (what, expected) = ("the activation", self.mesh.simplices.len());
                 if found != expected {
                     return Err(SettingError::Length { what, found, expected });
                 }
-                true
+                Ok(true)
             }
-            Some(Sites::Whole) => false,
+            Some(Sites::Whole) => Ok(false),
             None => {
                 let (what, value) = ("the peak tension", self.peak_tension);
                 if !value.is_finite() {
                     let must = "a finite number";
                     return Err(SettingError::Value { what, value, unit: "kPa", must });
                 }
-                self.has_sites_in_triangles()
+                Ok(self.has_sites_in_triangles())
             }
-        };
-        let ends = self.active == ActiveLaw::Ends;
-        let conflict = |what, with, because| Err(SettingError::Conflict { what, with, because });
-        if ends && self.myofibril_content.is_some() {
-            let because = "loads on the ends know no triangles; take the fibre law";
-            return conflict("a content of myofibrils", "the law of the ends", because);
         }
-        if ends && field {
-            let because = "loads on the ends know one tension only; take the fibre law";
-            return conflict("a tension for each triangle", "the law of the ends", because);
-        }
+    }
+
+    fn check_support(&self, field: bool) -> Checked {
         let clamps =
             matches!(self.support, SupportKind::ClampedEnds | SupportKind::AfterloadedEnds { .. });
         if self.end_stretch != 1.0 && !clamps {
@@ -348,26 +359,33 @@ impl Simulation {
                 return conflict("an afterload", "a tension for each triangle", because);
             }
         }
-        if self.material.retardation_time > 0.0 {
-            let viscous = "a retardation time";
-            if self.numerics.method.is_in_time() {
-                let because = "dashpots that give it would ask for steps of some 1e-6 ms; take the quasi-static method";
-                return conflict(viscous, "a method in time", because);
-            }
-            if field {
-                let because = "the path of equilibria of one tension lags as a whole; take one tension for the cell";
-                return conflict(viscous, "a tension for each triangle", because);
-            }
-            let springs = matches!(
-                self.support,
-                SupportKind::SpringHeldEnds { .. } | SupportKind::ElasticBed { .. }
-            );
-            if springs {
-                let because =
-                    "it would make the springs of the support viscous, too; take another support";
-                return conflict(viscous, "a support that gives way", because);
-            }
+        Ok(())
+    }
+
+    /// Whether a path of equilibria can lag.
+    fn check_retardation(&self, field: bool) -> Checked {
+        let viscous = "a retardation time";
+        if self.numerics.method.is_in_time() {
+            let because = "dashpots that give it would ask for steps of some 1e-6 ms; take the quasi-static method";
+            return conflict(viscous, "a method in time", because);
         }
+        if field {
+            let because = "the path of equilibria of one tension lags as a whole; take one tension for the cell";
+            return conflict(viscous, "a tension for each triangle", because);
+        }
+        let springs = matches!(
+            self.support,
+            SupportKind::SpringHeldEnds { .. } | SupportKind::ElasticBed { .. }
+        );
+        if springs {
+            let because =
+                "it would make the springs of the support viscous, too; take another support";
+            return conflict(viscous, "a support that gives way", because);
+        }
+        Ok(())
+    }
+
+    fn check_engine(&self) -> Checked {
         let chosen = self.numerics.engine.loops != Loops::Auto;
         if chosen && !self.numerics.method.is_in_time() {
             let because = "equilibria need no engine; take Loops::Auto, or a method in time";
@@ -383,4 +401,8 @@ impl Simulation {
         }
         Ok(())
     }
+}
+
+fn conflict(what: &'static str, with: &'static str, because: &'static str) -> Checked {
+    Err(SettingError::Conflict { what, with, because })
 }

@@ -1,7 +1,7 @@
 //! The outcome of a run, and the work it took.
 
 use super::StopReason;
-use crate::analysis::beat::Beats;
+use crate::analysis::beats::Beats;
 use crate::integrate::engine::EngineUsed;
 use crate::recording::Recording;
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,8 @@
 //! How fast a free cell shortens, compared with measured cells.
 
 use super::{Outcome, Ready, Simulation};
-use crate::analysis::beat::{self, Band, BandPosition, Beats};
+use crate::analysis::bands::{self, Band, BandPosition};
+use crate::analysis::beats::Beats;
 use crate::cell::{CellModel, KnownDeparture};
 use crate::mechanics::support::SupportKind;
 
@@ -36,7 +37,7 @@ pub enum Pace {
 impl Pace {
     /// The pace of the beats of a cell.
     pub fn of(cell: &dyn CellModel, support: SupportKind, beats: &Beats) -> Self {
-        let Some(band) = beat::band(METRIC).filter(|_| support == SupportKind::MassCentre) else {
+        let Some(band) = bands::band(METRIC).filter(|_| support == SupportKind::MassCentre) else {
             return Self::AsMeasured;
         };
         let beyond = |ratio: f64| (band.low - ratio).max(ratio - band.high);

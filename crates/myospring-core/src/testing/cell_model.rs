@@ -1,6 +1,6 @@
 //! The conformance suite of cell models.
 
-use crate::analysis::beat::{self, BandPosition};
+use crate::analysis::bands::{self, BandPosition};
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::{Protocol, Stimulus};
 use crate::cell::solve::{SolveError, SolverSettings, reference_beat, solve};
@@ -59,7 +59,7 @@ fn check_description(model: &dyn CellModel) {
     if let Some(KnownDeparture { shortening_rate_over_peak: rate, fact, instead }) =
         model.known_departure()
     {
-        let band = beat::band("shortening_rate_over_peak");
+        let band = bands::band("shortening_rate_over_peak");
         assert!(
             band.is_some_and(|band| band.place(rate) != BandPosition::In),
             "{name}: {rate} 1/s lies within the band, so there is nothing to be said of it"

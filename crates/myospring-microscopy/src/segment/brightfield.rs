@@ -6,12 +6,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::confidence::Candidate;
+use super::found::{Found, Working};
 use super::grain::{Grain, noise_of};
 use super::ladder::Climbed;
 use super::parting::Seen;
-use super::{
-    Confidence, Found, Modality, SegmentError, Segmentation, SegmentationSettings, Working,
-};
+use super::{Confidence, Modality, SegmentError, Segmentation, SegmentationSettings};
 use crate::filter::{self, otsu, quantile, sample};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};
@@ -101,11 +100,7 @@ pub(super) fn segment(
         .chain(stricter)
         .map(|edges| Guess::within(edges, pixel, settings.smallest_cell_um2, interruption))
         .collect::<Result<_, _>>()?;
-    let votes: Vec<usize> = (0..tries[0].region.pixels())
-        .map(|at| tries.iter().filter(|guess| guess.region.contains(at)).count())
-        .collect();
-    let most = votes.iter().map(|&votes| votes >= AGREEING);
-    let agreed = Region::new(tries[0].region.width(), tries[0].region.height(), most);
+    let agreed = agreed(&tries);
     let smallest = settings.smallest_cell_um2 / (pixel * coarse as f64).powi(2);
     let agreed = agreed.kept(Connectivity::Four, |island| island.pixels as f64 >= smallest);
     if agreed.count() == 0 {
@@ -123,7 +118,6 @@ pub(super) fn segment(
     let band = BAND_UM.map(|um| um / pixel);
     // Only around edges that enclose something; separate cells are processed separately.
     let Guess { edges, closing_um, .. } = &tries[2];
-    let closing_um = *closing_um;
     let nothing = Region::new(seen.width(), seen.height(), std::iter::empty());
     let (mut region, mut near_edges) = (nothing.clone(), nothing);
     for window in guess.windows((2.0 * BAY_UM / pixel).ceil() as usize) {
@@ -143,22 +137,61 @@ pub(super) fn segment(
     // The cell is as bright as its surroundings, so brightness is relative to them.
     let seen = Seen { brightness: &relative, dark: -1.0, pixel_um: pixel, smallest_um2 };
     let found = Found { region, seen, factor, modality: Modality::Brightfield, threshold };
-    let grain_of_ground = noise_of(&relative);
-    let judge = |candidate: &Candidate<'_>| {
+    let judge = Judge {
+        gradient: &gradient,
+        noise,
+        near_edges,
+        brightness: &relative,
+        grain_of_ground: noise_of(&relative),
+        pixel_um: pixel,
+        factor,
+        closing_um: *closing_um,
+    };
+    Ok(found.finish(plane, pixel_size, settings, |cell| judge.confidence(cell, plane.width()))?)
+}
+
+/// The area on which enough guesses agree.
+fn agreed(tries: &[Guess]) -> Region {
+    let first = &tries[0].region;
+    let votes = |at: usize| tries.iter().filter(|guess| guess.region.contains(at)).count();
+    let most = (0..first.pixels()).map(|at| votes(at) >= AGREEING);
+    Region::new(first.width(), first.height(), most)
+}
+
+/// What decides how sure a cell is.
+struct Judge<'a> {
+    gradient: &'a Gradient,
+    /// Standard deviation of the gradient's noise.
+    noise: f32,
+    /// The surroundings of the edges that were seen.
+    near_edges: Region,
+    /// Brightness relative to that of the surroundings, and the strength of its grains there.
+    brightness: &'a Plane,
+    grain_of_ground: f32,
+    /// A pixel of these, um and in pixels of the picture.
+    pixel_um: f64,
+    factor: usize,
+    /// Radius by which gaps in outlines were closed, um.
+    closing_um: f64,
+}
+
+impl Judge<'_> {
+    /// How sure a cell is in a picture of this width, pixels.
+    fn confidence(&self, candidate: &Candidate<'_>, width: usize) -> Confidence {
+        let (width_here, height_here) = (self.near_edges.width(), self.near_edges.height());
         let place = |&pixel: &u32| {
             let at = pixel as usize;
-            let (column, row) = (at % plane.width() / factor, at / plane.width() / factor);
-            row * near_edges.width() + column
+            at / width / self.factor * width_here + at % width / self.factor
         };
         let mut confidence = Confidence::full();
         let rim: Vec<usize> = candidate.rim.iter().map(place).collect();
-        let strengths: Vec<f32> = rim.iter().map(|&at| gradient.near(at)).collect();
-        let contrast = f64::from(quantile(&strengths, 0.5) / noise.max(f32::MIN_POSITIVE));
+        let strengths: Vec<f32> = rim.iter().map(|&at| self.gradient.near(at)).collect();
+        let contrast = f64::from(quantile(&strengths, 0.5) / self.noise.max(f32::MIN_POSITIVE));
         confidence.contrast = Some(contrast);
         confidence.weigh(contrast, 1.0, 4.0, || {
             format!("along its outline the brightness changes only {contrast:.1} times as fast as noise alone")
         });
-        let seen = rim.iter().filter(|&&at| near_edges.contains(at)).count();
+        let seen = rim.iter().filter(|&&at| self.near_edges.contains(at)).count();
         let seen = seen as f64 / rim.len().max(1) as f64;
         confidence.weigh(seen, 0.3, 0.85, || {
             format!(
@@ -166,11 +199,12 @@ pub(super) fn segment(
                 100.0 * (1.0 - seen)
             )
         });
-        if let Some(own) = candidate.region(factor, [working.width(), working.height()])
-            && let Some(grain) = Grain::within(&relative, &own, pixel, grain_of_ground)
+        if let Some(own) = candidate.region(self.factor, [width_here, height_here])
+            && let Some(grain) =
+                Grain::within(self.brightness, &own, self.pixel_um, self.grain_of_ground)
         {
             // The grain that noise may hide counts in the cell's favour.
-            let step = contrast * f64::from(noise) / pixel;
+            let step = contrast * f64::from(self.noise) / self.pixel_um;
             let part = grain.most / step.max(f64::MIN_POSITIVE);
             confidence.weigh(part, GRAIN[0], GRAIN[1], || {
                 format!(
@@ -179,14 +213,16 @@ pub(super) fn segment(
                 )
             });
         }
-        let bridged = closing_um >= CLOSING_UM[CLOSING_UM.len() - 1];
+        let bridged = self.closing_um >= CLOSING_UM[CLOSING_UM.len() - 1];
         confidence.weigh(if bridged { 0.7 } else { 1.0 }, 0.0, 1.0, || {
-            format!("its outline closes only if gaps of {:.0} um are bridged", 2.0 * closing_um)
+            format!(
+                "its outline closes only if gaps of {:.0} um are bridged",
+                2.0 * self.closing_um
+            )
         });
-        confidence.weigh_shape(candidate, plane.width());
+        confidence.weigh_shape(candidate, width);
         confidence
-    };
-    Ok(found.finish(plane, pixel_size, settings, judge)?)
+    }
 }
 
 /// Pixels along the side of a block of the grid on which gaps are closed.

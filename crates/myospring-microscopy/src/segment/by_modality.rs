@@ -1,9 +1,10 @@
 //! Checks the plane and segments it by the picture's modality.
 
 use super::fluorescence::Bright;
+use super::found::Working;
 use super::ladder::Climbed;
 use super::{
-    Modality, SegmentError, Segmentation, SegmentationSettings, Working, brightfield, evidence,
+    Modality, SegmentError, Segmentation, SegmentationSettings, brightfield, evidence,
     fluorescence, labels, modality,
 };
 use crate::plane::Plane;

@@ -1,6 +1,6 @@
 //! Evidence for a cell at each place: brightness above the surroundings, or texture.
 
-use super::Working;
+use super::found::Working;
 use super::ground::Ground;
 use crate::filter::{self, otsu, quantile};
 use crate::plane::Plane;

@@ -2,12 +2,11 @@
 
 use super::confidence::Candidate;
 use super::evidence::SMOOTH_UM;
+use super::found::{Found, Working};
 use super::ladder::{Climbed, Rough};
 use super::parting::Seen;
 use super::tissue::Tissue;
-use super::{
-    Confidence, Found, Modality, SegmentError, Segmentation, SegmentationSettings, Working,
-};
+use super::{Confidence, Modality, SegmentError, Segmentation, SegmentationSettings};
 use crate::filter::{self, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};

@@ -69,13 +69,7 @@ pub(super) fn segment(plane: &Plane, pixel_size: PixelSize) -> Result<Segmentati
     let number: BTreeMap<u32, u32> = order.iter().map(|&(mark, _)| mark).zip(1..).collect();
     let numbers: Vec<u32> =
         marks.iter().map(|mark| number.get(mark).copied().unwrap_or(0)).collect();
-    let mut on_frame = vec![0; order.len() + 1];
-    for (at, &number) in numbers.iter().enumerate() {
-        let (column, row) = (at % width, at / width);
-        if column == 0 || row == 0 || column + 1 == width || row + 1 == height {
-            on_frame[number as usize] += 1;
-        }
-    }
+    let on_frame = on_frame(&numbers, width, order.len());
     let cell = |(number, &(mark, pixels)): (u32, &(u32, usize))| SegmentedCell {
         number,
         label: if by_value { Some(mark) } else { only }.filter(|_| whole),
@@ -98,4 +92,16 @@ pub(super) fn segment(plane: &Plane, pixel_size: PixelSize) -> Result<Segmentati
         threshold,
         notes,
     })
+}
+
+/// Number of pixels of each cell on the frame of a picture, by the cell's number; 0 is the background.
+fn on_frame(numbers: &[u32], width: usize, cells: usize) -> Vec<usize> {
+    let mut on_frame = vec![0; cells + 1];
+    for (at, &number) in numbers.iter().enumerate() {
+        let (column, row) = (at % width, at / width);
+        if column == 0 || row == 0 || column + 1 == width || row + 1 == numbers.len() / width {
+            on_frame[number as usize] += 1;
+        }
+    }
+    on_frame
 }

@@ -8,9 +8,9 @@
 //! haze are separated (component trees, Jones 1999; related to the maximally stable extremal
 //! regions of Matas et al. 2002).
 
-use super::Working;
 use super::confidence::solidity;
 use super::evidence::{Evidence, Grid, Readings};
+use super::found::Working;
 use crate::filter::{self, quantile};
 use crate::plane::Plane;
 use crate::region::{Connectivity, Region, Window};

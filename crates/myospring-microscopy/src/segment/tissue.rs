@@ -4,10 +4,10 @@
 //! A clear outline is not enough: letters, posts and patches of a sheet have outlines as clear as
 //! cells. Each criterion is independent of the others and gives a factor and a reason.
 
-use super::Working;
 use super::companion::Blocks;
 use super::confidence::{Candidate, Confidence, PATCH};
 use super::evidence::{Evidence, Grid, texture_of};
+use super::found::Working;
 use super::grain::{Grain, noise_of, texture_of_noise};
 use crate::filter::{self, quantile};
 use crate::plane::Plane;

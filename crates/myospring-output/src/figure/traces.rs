@@ -8,7 +8,7 @@ use super::theme::{
     fixed, time,
 };
 use super::{Figure, FigureError};
-use myospring_core::analysis::beat::Beats;
+use myospring_core::analysis::beats::Beats;
 use myospring_core::analysis::trace;
 use myospring_core::recording::CALCIUM as CYTOSOL;
 use myospring_core::recording::{Recording, Sample, Signal};

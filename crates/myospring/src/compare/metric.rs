@@ -1,7 +1,8 @@
 //! Metrics of runs and their differences.
 
 use crate::analysis::Metric;
-use crate::analysis::beat::{Beat, Beats};
+use crate::analysis::beat::Beat;
+use crate::analysis::beats::Beats;
 use serde::Serialize;
 
 /// A metric of several runs; for several beats, the mean of those that count.

@@ -12,7 +12,8 @@ pub use job::{Compare, Source};
 pub use side::{Side, check_folder as check_results};
 
 use super::{Experiment, ExperimentError, Files, Folder, Inputs, Observer, Outcome};
-use crate::analysis::beat::{Band, Beats, band};
+use crate::analysis::bands::{Band, band};
+use crate::analysis::beats::Beats;
 use crate::compare::PHENOMENOLOGICAL;
 use crate::compare::factor::Scaled;
 use crate::compare::metric::{self, Row};

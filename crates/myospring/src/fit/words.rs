@@ -1,6 +1,6 @@
 //! A fit in words.
 
-use super::answer::{Fit, FitVerdict, FittedCurve, Verdict};
+use super::answer::{Estimate, Fit, FitVerdict, FittedCurve, Verdict};
 use super::observed::Scale;
 use super::unknown::Unknown;
 use crate::cell::CellModel;
@@ -17,39 +17,8 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
     if fit.verdict == FitVerdict::DoesNotFit {
         words.push(what_to_do(fit, cell));
     }
-    for estimate in fit.estimates.iter().filter(|estimate| estimate.unknown.is_some()) {
-        let name = &estimate.name;
-        match estimate.verdict {
-            Verdict::Determined if estimate.is_parabolic() => {}
-            // The verdict on the whole fit says it.
-            Verdict::DoesNotFit => {}
-            Verdict::Determined => words.push(format!(
-                "the likelihood of {name} is not a parabola: use its interval, not its standard deviation"
-            )),
-            Verdict::NotDetermined => {
-                words.push(format!("{name} is not determined by this curve: its profile is flat"));
-            }
-            Verdict::AtLeast => {
-                words.push(format!(
-                    "{name} is {} or more: the curve sets no upper end",
-                    amount(estimate.interval[0].unwrap_or(estimate.value), &estimate.unit)
-                ));
-            }
-            Verdict::AtMost => {
-                words.push(format!(
-                    "{name} is {} or less: the curve sets no lower end",
-                    amount(estimate.interval[1].unwrap_or(estimate.value), &estimate.unit)
-                ));
-            }
-            Verdict::AtLowerBound | Verdict::AtUpperBound => {
-                let end = if estimate.verdict == Verdict::AtLowerBound { "lower" } else { "upper" };
-                words.push(format!(
-                    "{name} is at its {end} bound, {}: a value beyond it would fit the curve better",
-                    amount(estimate.value, &estimate.unit)
-                ));
-            }
-        }
-    }
+    let unknowns = fit.estimates.iter().filter(|estimate| estimate.unknown.is_some());
+    words.extend(unknowns.filter_map(doubt));
     for (one, other, correlation) in &fit.correlated {
         words.push(format!(
             "the curve can hardly distinguish {one} from {other} (correlation {correlation:.3}): fix one of them"
@@ -69,21 +38,7 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
     if bad > 0 {
         words.push(format!("{bad} single bad frames were left out"));
     }
-    for curve in fit.curves.iter().filter(|curve| !curve.left_out_ms.is_empty()) {
-        let times: Vec<String> = curve
-            .left_out_ms
-            .iter()
-            .take(LISTED)
-            .map(|[from, to]| format!("{from:.0} to {to:.0} ms"))
-            .collect();
-        let more = curve.left_out_ms.len().saturating_sub(LISTED);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        words.push(format!(
-            "artefacts, or frames without a value, were left out of {}: {}{more}",
-            curve.name,
-            times.join(", ")
-        ));
-    }
+    words.extend(fit.curves.iter().filter_map(left_out));
     let free = |unknown: &Unknown| {
         fit.estimates.iter().any(|estimate| estimate.unknown.as_ref() == Some(unknown))
     };
@@ -100,6 +55,54 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
         ));
     }
     words
+}
+
+/// The verdict on an estimate, unless that on the whole fit says it.
+fn doubt(estimate: &Estimate) -> Option<String> {
+    let Estimate { name, unit, value, .. } = estimate;
+    let end = |end: usize| amount(estimate.interval[end].unwrap_or(*value), unit);
+    let beyond = |end: &str| {
+        let value = amount(*value, unit);
+        format!(
+            "{name} is at its {end} bound, {value}: a value beyond it would fit the curve better"
+        )
+    };
+    match estimate.verdict {
+        Verdict::DoesNotFit => None,
+        Verdict::Determined if estimate.is_parabolic() => None,
+        Verdict::Determined => Some(format!(
+            "the likelihood of {name} is not a parabola: use its interval, not its standard deviation"
+        )),
+        Verdict::NotDetermined => {
+            Some(format!("{name} is not determined by this curve: its profile is flat"))
+        }
+        Verdict::AtLeast => {
+            Some(format!("{name} is {} or more: the curve sets no upper end", end(0)))
+        }
+        Verdict::AtMost => {
+            Some(format!("{name} is {} or less: the curve sets no lower end", end(1)))
+        }
+        Verdict::AtLowerBound => Some(beyond("lower")),
+        Verdict::AtUpperBound => Some(beyond("upper")),
+    }
+}
+
+/// The stretches of a curve that were left out.
+fn left_out(curve: &FittedCurve) -> Option<String> {
+    let times = curve.left_out_ms.iter().map(|[from, to]| format!("{from:.0} to {to:.0} ms"));
+    if times.len() == 0 {
+        return None;
+    }
+    let more = match times.len().saturating_sub(LISTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let times: Vec<String> = times.take(LISTED).collect();
+    Some(format!(
+        "artefacts, or frames without a value, were left out of {}: {}{more}",
+        curve.name,
+        times.join(", ")
+    ))
 }
 
 /// What can be done about a model that does not fit.

@@ -176,169 +176,225 @@ fn is_symbol(name: &str) -> bool {
     letter && parts.any(|index| index.starts_with(char::is_alphabetic))
 }
 
+/// Names of numbers of frames.
+const FRAMES: [&str; 14] = [
+    "frame",
+    "frames",
+    "frame number",
+    "frame no",
+    "frame index",
+    "frame #",
+    "image",
+    "slice",
+    "index",
+    "#",
+    "sample",
+    "point",
+    "stack",
+    "nd t",
+];
+
+/// Names of times.
+const TIMES: [&str; 8] =
+    ["time", "t", "times", "zeit", "elapsed time", "time point", "timestamp", "time stamp"];
+
+/// Names of what a row is of.
+const IDENTITIES: [&str; 10] = [
+    "sarc id",
+    "sarcomere id",
+    "cell id",
+    "cell",
+    "roi",
+    "roi id",
+    "id",
+    "track",
+    "track id",
+    "particle",
+];
+
+/// Words of stimuli and other marks.
+const MARKS: [&str; 9] =
+    ["mark", "marks", "marker", "event", "events", "pacer", "stim", "stimulus", "ttl"];
+
+/// Parts of names of what is read from a curve and is none: the rate or the time of a quantity; a width is not a length.
+const READ_FROM_CURVES: [&str; 11] = [
+    "speed",
+    "velocity",
+    "rate",
+    "d/dt",
+    "derivative",
+    "width",
+    "angle",
+    "area",
+    "energy",
+    "work",
+    "shortening time",
+];
+
+/// Words of calcium.
+const CALCIUM: [&str; 10] =
+    ["ca", "cai", "ca2+", "[ca2+]", "[ca2+]i", "[ca]i", "[ca]", "ca2+i", "cai2+", "catransient"];
+
+/// Parts of names of a dye's brightness.
+const BRIGHT: [&str; 20] = [
+    "f/f0",
+    "df/f",
+    "δf/f",
+    "∆f/f",
+    "fluo",
+    "intensity",
+    "gcamp",
+    "geco",
+    "rhod",
+    "cal 520",
+    "mean grey",
+    "mean gray",
+    "gray value",
+    "grey value",
+    "df f0",
+    "dff0",
+    "fitc",
+    "tritc",
+    "gfp",
+    "cal520",
+];
+
+/// Parts of names of a motion.
+const MOTIONS: [&str; 6] =
+    ["contraction", "displacement", "motion", "amplitude", "movement", "deflection"];
+
+/// A name in lower case without marks, and its words.
+struct Name<'a> {
+    title: &'a Title,
+    text: String,
+    words: Vec<String>,
+}
+
+impl<'a> Name<'a> {
+    fn of(title: &'a Title) -> Self {
+        // Text in brackets that is not a unit, such as the name of a dye, is used like the name.
+        let known = title.unit.is_empty() || unit(&title.unit).is_some();
+        let whole =
+            if known { title.name.clone() } else { format!("{} {}", title.name, title.unit) };
+        let name = whole.to_lowercase().replace(['_', '-', '.'], " ");
+        let mut words: Vec<String> = name.split_whitespace().map(str::to_owned).collect();
+        // A letter with indices, such as `f_Ca_f` or `h_L`, is a symbol of a model: its indices do
+        // not mean calcium or length.
+        if is_symbol(&whole) {
+            words.retain(|word| word.len() > LONGEST_INDEX);
+        }
+        Self { title, text: name.trim().to_owned(), words }
+    }
+
+    /// Whether it is one of these names.
+    fn is(&self, names: &[&str]) -> bool {
+        names.contains(&self.text.as_str())
+    }
+
+    /// Whether it contains one of these texts.
+    fn has(&self, parts: &[&str]) -> bool {
+        parts.iter().any(|part| self.text.contains(part))
+    }
+
+    /// Whether one of its words is one of these.
+    fn word(&self, ones: &[&str]) -> bool {
+        self.words.iter().any(|word| ones.contains(&word.as_str()))
+    }
+
+    /// Whether its unit is one of this quantity.
+    fn is_in(&self, dimension: Dimension) -> bool {
+        units::parse(&format!("1 {}", self.title.unit), dimension).is_ok()
+    }
+
+    fn is_time(&self) -> bool {
+        let words: Vec<&str> = self.words.iter().map(String::as_str).collect();
+        // `Time 0`, `Time 1`: one column of times per channel.
+        let numbered = matches!(words[..], ["time", number] if number.parse::<u32>().is_ok());
+        let of_time = self.is_in(Dimension::Time);
+        let named = words.first() == Some(&"time") && !self.word(&["to", "of", "constant"]);
+        self.is(&TIMES) || numbered || of_time && (named || unit(&self.title.name).is_some())
+    }
+
+    /// The kind of the curve that a column with this name contains.
+    fn kind(&self) -> Option<Kind> {
+        let unit = self.title.unit.as_str();
+        if self.word(&["fs"]) || self.has(&["shortening"]) {
+            return Some(match unit {
+                "um" | "px" | "nm" | "mm" | "a.u." => Kind::Contraction,
+                _ => Kind::Shortening,
+            });
+        }
+        self.length().or_else(|| self.calcium()).or_else(|| {
+            if self.has(&["force"]) || unit == NEWTON {
+                Some(Kind::Force)
+            } else if self.has(&["tension", "stress"])
+                || self.word(&["ta"]) && self.is_in(Dimension::Pressure)
+            {
+                Some(Kind::Tension)
+            } else if self.has(&["potential", "voltage"]) || self.word(&["vm", "em", "v", "mv"]) {
+                Some(Kind::Potential)
+            } else if self.has(&MOTIONS) {
+                Some(Kind::Contraction)
+            } else {
+                // A trace with a general name, such as `Trace #1 (mV)`, is recognised by a unit that
+                // only potentials have.
+                (unit == "mV").then_some(Kind::Potential)
+            }
+        })
+    }
+
+    /// The kind of a length, if it is one.
+    fn length(&self) -> Option<Kind> {
+        if self.has(&["stretch", "lambda", "λ"]) || self.is(&["l/l0", "l/lmax"]) {
+            return Some(Kind::NormalisedLength);
+        }
+        let unit = self.title.unit.as_str();
+        let sarcomere = self.has(&["sarc"]) || self.word(&["sl", "ssl", "zdisc"]);
+        if !(sarcomere || self.has(&["length"]) || self.word(&["len", "l", "länge"])) {
+            None
+        } else if self.has(&["norm", "relative"]) || unit == "%" || unit.starts_with("norm") {
+            Some(Kind::NormalisedLength)
+        } else if sarcomere {
+            Some(Kind::SarcomereLength)
+        } else {
+            Some(Kind::Length)
+        }
+    }
+
+    /// The kind of a signal of calcium, if it is one.
+    fn calcium(&self) -> Option<Kind> {
+        if self.has(&["ratio", "340/380", "340:380", "fura", "indo"]) {
+            return Some(Kind::CalciumRatio);
+        }
+        let calcium = self.word(&CALCIUM) || self.has(&["calcium", "[ca"]);
+        if calcium && !matches!(self.title.unit.as_str(), "" | "a.u." | "%") {
+            return Some(Kind::Calcium);
+        }
+        // `Mean`, `Mean1`: mean values of regions in ImageJ.
+        let mean = self
+            .text
+            .strip_prefix("mean")
+            .is_some_and(|of| of.parse::<u32>().is_ok() || of.is_empty());
+        (calcium || mean || self.has(&BRIGHT)).then_some(Kind::Fluorescence)
+    }
+}
+
 /// Returns what a column contains by its name alone, without regard to its unit.
 fn by_name(title: &Title) -> Holds {
-    // Text in brackets that is not a unit, such as the name of a dye, is used like the name.
-    let known = title.unit.is_empty() || unit(&title.unit).is_some();
-    let whole = if known { title.name.clone() } else { format!("{} {}", title.name, title.unit) };
-    let name = whole.to_lowercase().replace(['_', '-', '.'], " ");
-    let mut words: Vec<&str> = name.split_whitespace().collect();
-    // A letter with indices, such as `f_Ca_f` or `h_L`, is a symbol of a model: its indices do not
-    // mean calcium or length.
-    if is_symbol(&whole) {
-        words.retain(|word| word.len() > LONGEST_INDEX);
+    let name = Name::of(title);
+    if name.is(&FRAMES) {
+        Holds::Frame
+    } else if name.word(&["time", "times"]) && name.word(&MARKS) {
+        Holds::MarkTime
+    } else if name.is_time() {
+        Holds::Time
+    } else if name.is(&IDENTITIES) {
+        Holds::Identity
+    } else if name.has(&READ_FROM_CURVES) {
+        Holds::Other
+    } else {
+        name.kind().map_or(Holds::Other, Holds::Curve)
     }
-    let has = |part: &str| name.contains(part);
-    let word = |one: &[&str]| words.iter().any(|word| one.contains(word));
-    let only = |one: &[&str]| one.contains(&name.trim());
-    let of_dimension = |dimension| units::parse(&format!("1 {}", title.unit), dimension).is_ok();
-
-    if only(&[
-        "frame",
-        "frames",
-        "frame number",
-        "frame no",
-        "frame index",
-        "image",
-        "slice",
-        "index",
-        "#",
-    ]) || only(&["frame #", "sample", "point", "stack", "nd t"])
-    {
-        return Holds::Frame;
-    }
-    let marks = ["mark", "marks", "marker", "event", "events", "pacer", "stim", "stimulus", "ttl"];
-    if word(&["time", "times"]) && word(&marks) {
-        return Holds::MarkTime;
-    }
-    // `Time 0`, `Time 1`: one column of times per channel.
-    let numbered = matches!(words[..], ["time", number] if number.parse::<u32>().is_ok());
-    if only(&[
-        "time",
-        "t",
-        "times",
-        "zeit",
-        "elapsed time",
-        "time point",
-        "timestamp",
-        "time stamp",
-    ]) || numbered
-        || (words.first() == Some(&"time")
-            && of_dimension(Dimension::Time)
-            && !word(&["to", "of", "constant"]))
-        || (of_dimension(Dimension::Time) && unit(&title.name).is_some())
-    {
-        return Holds::Time;
-    }
-    if only(&[
-        "sarc id",
-        "sarcomere id",
-        "cell id",
-        "cell",
-        "roi",
-        "roi id",
-        "id",
-        "track",
-        "track id",
-        "particle",
-    ]) {
-        return Holds::Identity;
-    }
-    // The rate or the time of a quantity is not its curve, and a width is not a length.
-    let rate = ["speed", "velocity", "rate", "d/dt", "derivative", "width", "angle", "area"];
-    if rate.iter().any(|part| has(part)) || has("energy") || has("work") || has("shortening time") {
-        return Holds::Other;
-    }
-    if word(&["fs"]) || has("shortening") {
-        return Holds::Curve(match title.unit.as_str() {
-            "um" | "px" | "nm" | "mm" | "a.u." => Kind::Contraction,
-            _ => Kind::Shortening,
-        });
-    }
-    if has("stretch") || has("lambda") || has("λ") || only(&["l/l0", "l/lmax"]) {
-        return Holds::Curve(Kind::NormalisedLength);
-    }
-    let sarcomere = has("sarc") || word(&["sl", "ssl", "z disc distance", "zdisc"]);
-    let length = sarcomere || has("length") || word(&["len", "l", "länge"]);
-    if length
-        && (has("norm") || has("relative") || title.unit == "%" || title.unit.starts_with("norm"))
-    {
-        return Holds::Curve(Kind::NormalisedLength);
-    }
-    if sarcomere {
-        return Holds::Curve(Kind::SarcomereLength);
-    }
-    if length {
-        return Holds::Curve(Kind::Length);
-    }
-    if has("ratio") || has("340/380") || has("340:380") || has("fura") || has("indo") {
-        return Holds::Curve(Kind::CalciumRatio);
-    }
-    let calcium = word(&[
-        "ca",
-        "cai",
-        "ca2+",
-        "[ca2+]",
-        "[ca2+]i",
-        "[ca]i",
-        "[ca]",
-        "ca2+i",
-        "cai2+",
-        "catransient",
-    ]) || has("calcium")
-        || has("[ca");
-    if calcium && !title.unit.is_empty() && title.unit != "a.u." && title.unit != "%" {
-        return Holds::Curve(Kind::Calcium);
-    }
-    let bright = [
-        "f/f0",
-        "df/f",
-        "δf/f",
-        "∆f/f",
-        "fluo",
-        "intensity",
-        "gcamp",
-        "geco",
-        "rhod",
-        "cal 520",
-        "mean grey",
-        "mean gray",
-        "gray value",
-        "grey value",
-        "df f0",
-        "dff0",
-        "fitc",
-        "tritc",
-        "gfp",
-        "cal520",
-    ];
-    // `Mean`, `Mean1`: mean values of regions in ImageJ.
-    let mean = name
-        .trim()
-        .strip_prefix("mean")
-        .is_some_and(|of| of.parse::<u32>().is_ok() || of.is_empty());
-    if calcium || mean || bright.iter().any(|part| has(part)) {
-        return Holds::Curve(Kind::Fluorescence);
-    }
-    if has("force") || title.unit == NEWTON {
-        return Holds::Curve(Kind::Force);
-    }
-    if has("tension") || has("stress") || word(&["ta"]) && of_dimension(Dimension::Pressure) {
-        return Holds::Curve(Kind::Tension);
-    }
-    if has("potential") || has("voltage") || word(&["vm", "em", "v", "mv"]) {
-        return Holds::Curve(Kind::Potential);
-    }
-    let motion = ["contraction", "displacement", "motion", "amplitude", "movement", "deflection"];
-    if motion.iter().any(|part| has(part)) {
-        return Holds::Curve(Kind::Contraction);
-    }
-    // A trace with a general name, such as `Trace #1 (mV)`, is recognised by a unit that only
-    // potentials have.
-    if title.unit == "mV" {
-        return Holds::Curve(Kind::Potential);
-    }
-    Holds::Other
 }
 
 /// Conversion from the numbers of a column to the values of a curve.

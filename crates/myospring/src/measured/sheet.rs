@@ -275,9 +275,46 @@ impl Try {
             .into_iter()
             .filter(|row| row.fields.iter().any(|field| !field.is_empty()))
             .collect();
+        let full = self.full(&all);
+        let first = full.iter().position(|full| *full).unwrap_or(0);
+        // Counts and settings above a table look like its rows, so the table begins with the
+        // longest run of rows.
+        let table = longest_run(&full).unwrap_or(first);
+        // The header is the last row above without a number; rows in between are damaged data.
+        // A row of words with too few fields is a title, unless spaces separate the fields.
+        let fits = |row: &Row| {
+            let used =
+                row.fields.iter().rposition(|field| !field.is_empty()).map_or(0, |at| at + 1);
+            self.delimiter == ' ' || 2 * used > self.width || used > 1
+        };
+        let names =
+            all[..table].iter().rposition(|row| self.is_words(row)).filter(|&at| fits(&all[at]));
+        let start = names.map_or_else(
+            || first.checked_sub(1).filter(|at| self.is_axis(&all[*at])).unwrap_or(first),
+            |at| at + 1,
+        );
+        let above = full[..start].iter().filter(|full| **full).count();
+        let sheet = Sheet {
+            header: Vec::new(),
+            groups: Vec::new(),
+            rows: all[start..].to_vec(),
+            decimal: self.decimal,
+            above: if above > 2 { above } else { 0 },
+            usual: self.width,
+            again: BTreeSet::new(),
+            turned: Vec::new(),
+        };
+        match names {
+            Some(at) => self.named(sheet, &all[..=at], text_of(all[at].line)),
+            None => sheet,
+        }
+    }
+
+    /// Which rows have a number in a column of numbers, and no word in any.
+    fn full(&self, rows: &[Row]) -> Vec<bool> {
         let of_width =
             |row: &&Row| row.fields.len() == self.width && has_numbers(&row.fields, self.decimal);
-        let body: Vec<&Row> = all.iter().filter(of_width).collect();
+        let body: Vec<&Row> = rows.iter().filter(of_width).collect();
         // Columns in which most rows have numbers.
         let numeric: Vec<bool> = (0..self.width)
             .map(|column| {
@@ -297,49 +334,26 @@ impl Try {
                 && cells.iter().any(|(cell, numeric)| *numeric && matches!(cell, Cell::Number(_)))
                 && cells.iter().all(|(cell, numeric)| !numeric || *cell != Cell::Text)
         };
-        let full: Vec<bool> = all.iter().map(is_full).collect();
-        let first = full.iter().position(|full| *full).unwrap_or(0);
-        // Counts and settings above a table look like its rows, so the table begins with the
-        // longest run of rows.
-        let table = longest_run(&full).unwrap_or(first);
-        // The header is the last row above without a number; rows in between are damaged data.
-        let is_words = |row: &Row| {
-            row.fields.iter().all(|field| !matches!(cell(field, self.decimal), Cell::Number(_)))
-                && row.fields.iter().any(|field| !field.is_empty())
-        };
-        // A row of words with too few fields is a title, unless spaces separate the fields.
-        let fits = |row: &Row| {
-            let used =
-                row.fields.iter().rposition(|field| !field.is_empty()).map_or(0, |at| at + 1);
-            self.delimiter == ' ' || 2 * used > self.width || used > 1
-        };
-        let names = all[..table].iter().rposition(is_words).filter(|&at| fits(&all[at]));
-        let start = names.map_or_else(
-            || first.checked_sub(1).filter(|at| self.is_axis(&all[*at])).unwrap_or(first),
-            |at| at + 1,
-        );
-        let above = full[..start].iter().filter(|full| **full).count();
-        let mut sheet = Sheet {
-            header: Vec::new(),
-            groups: Vec::new(),
-            rows: all[start..].to_vec(),
-            decimal: self.decimal,
-            above: if above > 2 { above } else { 0 },
-            usual: self.width,
-            again: BTreeSet::new(),
-            turned: Vec::new(),
-        };
-        let Some(at) = names else { return sheet };
-        let settings = &all[..=at];
-        if let Some(header) = header_of_settings(settings) {
+        rows.iter().map(is_full).collect()
+    }
+
+    fn is_words(&self, row: &Row) -> bool {
+        row.fields.iter().all(|field| !matches!(cell(field, self.decimal), Cell::Number(_)))
+            && row.fields.iter().any(|field| !field.is_empty())
+    }
+
+    /// Names the columns of a table by the last of the rows `above`, whose text is given.
+    fn named(&self, mut sheet: Sheet, above: &[Row], text: &str) -> Sheet {
+        let Some((own, before)) = above.split_last() else { return sheet };
+        if let Some(header) = header_of_settings(above) {
             return Sheet { header, ..sheet };
         }
-        sheet.header = self.header(text_of(all[at].line), &all[at].fields);
-        let Some(upper) = at.checked_sub(1).map(|above| &all[above]) else { return sheet };
+        sheet.header = self.header(text, &own.fields);
+        let Some(upper) = before.last() else { return sheet };
         // A row of units below a row of names.
         let is_unit = |name: &String| name.is_empty() || super::column::is_unit(name);
         if sheet.header.iter().all(is_unit)
-            && is_words(upper)
+            && self.is_words(upper)
             && upper.fields.len() == sheet.header.len()
         {
             let with_unit =
@@ -351,7 +365,7 @@ impl Try {
             return sheet;
         }
         // Repeated names belong to the groups in the row above.
-        if is_words(upper) && upper.line + 1 == all[at].line && come_again(&sheet.header) {
+        if self.is_words(upper) && upper.line + 1 == own.line && come_again(&sheet.header) {
             let mut group = String::new();
             for (place, name) in sheet.header.iter().enumerate() {
                 match upper.fields.get(place).filter(|upper| !upper.is_empty()) {

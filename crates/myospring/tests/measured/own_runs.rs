@@ -1,7 +1,7 @@
 //! One mechanism: the table of curves that a run writes, measured, has the run's own metrics, whatever its cell model.
 
 use myospring::analysis::Metric;
-use myospring::analysis::beat::Beats;
+use myospring::analysis::beats::Beats;
 use myospring::analysis::curve::{self, Analysis};
 use myospring::analysis::value;
 use myospring::cell::{self, TensionKind};

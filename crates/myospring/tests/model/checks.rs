@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::exchange::{Toy, strip};
-use myospring::analysis::beat::{self, BandPosition};
+use myospring::analysis::bands::{self, BandPosition};
 use myospring::cell::pacing::Protocol;
 use myospring::cell::{self, CellModel, TensionKind};
 use myospring::exchange::{Activation, Sites};
@@ -85,7 +85,7 @@ fn paced(cell: Arc<dyn CellModel>, support: SupportKind) -> (Vec<String>, Pace, 
 #[test]
 fn a_model_that_shortens_otherwise_than_measured_cells_says_so_of_itself_and_its_run_has_no_warning()
  {
-    let band = beat::band("shortening_rate_over_peak").unwrap();
+    let band = bands::band("shortening_rate_over_peak").unwrap();
     for cell in cell::models() {
         // A membrane alone moves nothing, and ToR-ORd has its own tests.
         if cell.tension_kind() == TensionKind::None || cell.name().starts_with("tor_ord") {

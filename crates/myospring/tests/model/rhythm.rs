@@ -2,7 +2,7 @@
 //! every way through time.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use myospring::analysis::beat::Beats;
+use myospring::analysis::beats::Beats;
 use myospring::analysis::capture;
 use myospring::cell::pacing::{Protocol, Stimulus};
 use myospring::cell::solve::{CellMethod, SolverSettings, solve};

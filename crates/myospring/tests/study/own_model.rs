@@ -4,7 +4,7 @@
 #[path = "../common/own_cell.rs"]
 mod own_cell;
 
-use myospring::analysis::beat::Beats;
+use myospring::analysis::beats::Beats;
 use myospring::cell::CellModel;
 use myospring::cell::batch::{self, BatchSettings, Paced};
 use myospring::cell::pacing::Protocol;

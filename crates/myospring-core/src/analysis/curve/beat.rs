@@ -1,24 +1,19 @@
-//! One beat of a curve: its rest, its pulse, its metrics.
+//! The metrics of each beat of a curve.
 
-use super::answer::{Artefact, CurveBeat, Mark, State};
-use super::detect::Found;
+use super::answer::{CurveBeat, Mark, State};
+use super::span::{AT_REST, Reader, Span, mean, median_distance};
 use super::upstroke::{self, Upstroke};
-use crate::analysis::holes::Hole;
 use crate::analysis::kind::{Family, Kind};
-use crate::analysis::order::median;
 use crate::analysis::pulse::{Pulse, Top};
 use crate::analysis::rows::{Context, row};
 use crate::analysis::trace::Point;
 use crate::analysis::{
-    Metric, Missing, action_potential, contraction, rest, tension, trace, transient, value,
+    Metric, Missing, action_potential, contraction, rest, tension, transient, value,
 };
 use std::ops::Range;
 
 /// Part of a cycle after the last peak from which on the end of the recording counts as rest.
 const END: f64 = 0.6;
-
-/// Largest height of the curve at rest, as a part of a beat's height.
-const AT_REST: f64 = 0.1;
 
 /// Metrics that need the end of a beat.
 const TO_THE_END: [&str; 4] =
@@ -31,135 +26,10 @@ const AT_REST_ALONE: [&str; 5] =
 /// Least height of a beat after its drift is subtracted, relative to that with which it was found.
 const LEAST: f64 = 0.1;
 
-/// A curve, ready to be read.
-pub(super) struct Reader<'a> {
-    pub(super) times: &'a [f64],
-    /// The curve with sign such that beats rise, without bad frames and hum.
-    pub(super) signal: &'a [f64],
-    pub(super) smoothed: &'a [f64],
-    /// Slopes of `signal`; `None` uses those between neighbours of `smoothed`.
-    pub(super) slopes: Option<&'a [f64]>,
-    /// Standard deviation of the noise of `signal`, and of `smoothed`.
-    pub(super) level: f64,
-    pub(super) noise: f64,
-    /// Averaging time for which the mean of `signal` has little noise, ms.
-    pub(super) noise_ms: f64,
-    /// Factor from `signal` to the curve's values: 1 or -1.
-    pub(super) sign: f64,
-    pub(super) kind: Kind,
-    pub(super) unit: &'static str,
-    pub(super) found: &'a Found,
-    pub(super) keep_drift: bool,
-    pub(super) artefacts: &'a [Artefact],
-    pub(super) holes: &'a [Hole],
-    /// Half-width of the smoothing window, frames.
-    pub(super) half: usize,
-}
-
-/// Position of a beat in the samples.
-#[derive(Debug, Clone, Copy)]
-struct Span {
-    stimulus: Option<f64>,
-    /// The sample at its top.
-    peak: usize,
-    /// The time at which it begins: its stimulus, or its onset.
-    begin: f64,
-    /// Samples of its rest, and their mean time and value.
-    rest: [usize; 2],
-    rest_at: Point,
-    /// The first sample that is read.
-    from: usize,
-    cut_at_start: bool,
-}
-
 impl Reader<'_> {
     /// The beats of a curve without stimuli.
     pub(super) fn found(&self) -> Vec<CurveBeat> {
-        let peaks: Vec<usize> = self.found.peaks.iter().map(|peak| peak.at).collect();
-        let cycle = median_distance(self.times, &peaks);
-        let mut spans: Vec<Span> =
-            (0..peaks.len()).map(|at| self.span(&peaks, at, cycle)).collect();
-        // The curve before the first beat is not at rest if it is higher than later rests and drift
-        // does not explain that.
-        let rest = |at: usize| spans.get(at).map(|span| span.rest_at.value);
-        if let (Some(first), Some(peak)) = (rest(0), peaks.first()) {
-            let last = self.times.len() - 1;
-            let second = rest(1).unwrap_or(self.smoothed[self.lowest(*peak, last)]);
-            let drift = rest(2).map_or(0.0, |third| (second - third).max(0.0));
-            let height = self.smoothed[*peak] - second;
-            spans[0].cut_at_start |= first - second - 2.0 * drift > 2.0 * AT_REST * height;
-        }
-        self.read(&spans)
-    }
-
-    /// The rest of the `at`-th peak, and the time at which the curve leaves it.
-    fn span(&self, peaks: &[usize], at: usize, cycle: Option<f64>) -> Span {
-        let peak = peaks[at];
-        let from = if at == 0 { 0 } else { self.lowest(peaks[at - 1], peak) };
-        let low = if at == 0 { self.lowest(0, peak) } else { from };
-        let mut rest = self.smoothed[low];
-        let mut onset = self.onset(low, peak, rest);
-        let before =
-            if at == 0 { None } else { Some(self.times[peak] - self.times[peaks[at - 1]]) };
-        let width = 2.0 * (self.times[peak] - onset).max(0.0);
-        let cycle = before.or(cycle).unwrap_or(4.0 * width);
-        let mut window = [low, low];
-        // Rest and onset depend on each other.
-        for _ in 0..3 {
-            // A foot before the onset does not belong to the rest.
-            let foot = 0.25 * (self.times[peak] - onset).max(0.0);
-            let end = self.times.partition_point(|time| *time <= onset - foot).min(peak);
-            let start =
-                self.times.partition_point(|time| *time < onset - foot - rest::PART * cycle);
-            // At least three frames, if there are as many after the previous beat.
-            let first_free = if at == 0 { 0 } else { peaks[at - 1] + 1 };
-            let start = start.min(end.saturating_sub(3)).max(first_free);
-            window = [start, end.max(start + 1)];
-            if at == 0 && window[1] - window[0] < 2 {
-                // As much rest as available.
-                window[1] = self.times.partition_point(|time| *time <= onset).clamp(1, peak.max(1));
-            }
-            rest = mean(&self.signal[window[0]..window[1]]);
-            onset = self.onset(low.min(end), peak, rest);
-        }
-        if let Some(before) = at.checked_sub(1) {
-            // A beat begins after the top of the previous one.
-            onset = onset.max(self.times[peaks[before] + 1]);
-        }
-        // The first beat needs rest before it.
-        let cut_at_start = at == 0 && (window[1] - window[0] < 2 || onset <= self.times[0]);
-        let rest_at = Point { time: mean(&self.times[window[0]..window[1]]), value: rest };
-        Span {
-            stimulus: None,
-            peak,
-            begin: onset,
-            rest: window,
-            rest_at,
-            from: window[0],
-            cut_at_start,
-        }
-    }
-
-    /// The lowest smoothed sample between two.
-    fn lowest(&self, from: usize, to: usize) -> usize {
-        let low = (from..=to)
-            .reduce(|low, at| if self.smoothed[at] < self.smoothed[low] { at } else { low });
-        low.unwrap_or(from)
-    }
-
-    /// Time at which the line through 10 % and 50 % of the rise meets the rest, ms.
-    fn onset(&self, low: usize, peak: usize, rest: f64) -> f64 {
-        let height = self.smoothed[peak] - rest;
-        let crossing = |part: f64| {
-            let level = rest + part * height;
-            let (from, to) = (self.times[low], self.times[peak]);
-            trace::last_rise_through(self.times, self.smoothed, level, from, to)
-        };
-        match (crossing(0.1), crossing(0.5)) {
-            (Some(tenth), Some(half)) => tenth - 0.25 * (half - tenth),
-            (None, Some(half)) => half,
-            _ => self.times[low],
-        }
+        self.read(&self.spans())
     }
 
     /// The beat after each stimulus.
@@ -234,63 +104,6 @@ impl Reader<'_> {
             }
         }
         beats
-    }
-
-    /// The stimulus of each beat: the last one before its onset.
-    fn owners(&self, stimuli: &[f64]) -> Vec<Option<usize>> {
-        let peaks: Vec<usize> = self.found.peaks.iter().map(|peak| peak.at).collect();
-        let cycle = median_distance(self.times, &peaks);
-        let onset = |at: usize| {
-            let begin = self.span(&peaks, at, cycle).begin;
-            // Noise may shift an onset slightly before its stimulus.
-            let slack = 0.15 * (self.times[peaks[at]] - begin).max(0.0);
-            // An onset is known only to within one sample: an upstroke may begin between the sample
-            // before its stimulus and the next one.
-            let next = self.times.partition_point(|time| *time < begin + slack);
-            self.times[next.min(peaks[at])]
-        };
-        let owner = |at: usize| stimuli.partition_point(|time| *time <= onset(at)).checked_sub(1);
-        (0..peaks.len()).map(owner).collect()
-    }
-
-    /// The artefacts that overlap a time, in words; empty if there are none.
-    fn artefacts_within(&self, from: f64, to: f64) -> String {
-        let within = self.artefacts.iter().filter(|it| it.from_ms <= to && it.to_ms >= from);
-        let times: Vec<String> =
-            within.map(|it| format!("{:.0} to {:.0} ms", it.from_ms, it.to_ms)).collect();
-        match times.len() {
-            0 => String::new(),
-            1 => format!("an artefact at {}", times[0]),
-            count if count > 3 => format!("{count} artefacts, the first at {},", times[0]),
-            _ => format!("artefacts at {}", times.join(", ")),
-        }
-    }
-
-    /// The gaps that overlap a time (widened by smoothing), in words; empty if there are none.
-    fn holes_within(&self, from: f64, to: f64) -> String {
-        let touches = |hole: &&Hole| {
-            let margin = self.half as f64 * hole.usual_ms;
-            hole.from_ms - margin < to && hole.to_ms + margin > from
-        };
-        let within: Vec<&Hole> = self.holes.iter().filter(touches).collect();
-        match within[..] {
-            [] => String::new(),
-            [one] => {
-                format!("the gap in the times from {:.0} to {:.0} ms", one.from_ms, one.to_ms)
-            }
-            [first, ..] => format!(
-                "{} gaps in the times, the first from {:.0} to {:.0} ms,",
-                within.len(),
-                first.from_ms,
-                first.to_ms
-            ),
-        }
-    }
-
-    /// What may hide a beat within a time, in words.
-    fn hidden_within(&self, from: f64, to: f64) -> String {
-        let both = [self.artefacts_within(from, to), self.holes_within(from, to)];
-        both.into_iter().filter(|words| !words.is_empty()).collect::<Vec<_>>().join(" and ")
     }
 
     fn read(&self, spans: &[Span]) -> Vec<CurveBeat> {
@@ -402,6 +215,7 @@ impl Reader<'_> {
         let top = if self.kind == Kind::Potential { Top::Sample } else { Top::Vertex };
         let slopes: Option<Vec<f64>> = self
             .slopes
+            .as_ref()
             .map(|slopes| slopes[first..last].iter().map(|steep| steep - slope).collect());
         let slopes = slopes.as_deref();
         let upstroke = self.upstroke(span, slope);
@@ -412,20 +226,15 @@ impl Reader<'_> {
             .with_noise(self.noise)
             .with_slopes(slopes)
             .with_steepest(upstroke.map(|upstroke| upstroke.at));
-        let onset = if span.stimulus.is_some() {
-            match (pulse.rises(0.1), pulse.rises(0.5)) {
-                (Ok(tenth), Ok(half)) => Some(tenth - 0.25 * (half - tenth)),
-                _ => None,
-            }
-        } else {
-            Some(span.begin)
+        let onset = match span.stimulus {
+            Some(_) => onset_of(&pulse),
+            None => Some(span.begin),
         };
         let context = Context {
             stimulus: span.stimulus,
             onset,
             rest: if span.stimulus.is_some() { rest::BEFORE_STIMULUS } else { rest::BEFORE_ONSET },
         };
-        let mut remarks = Vec::new();
         let mut metrics = self.metrics([times, &heights], slopes, &pulse, &base, rest, &context);
         if self.kind == Kind::Potential {
             let diastolic = self.diastolic(span, next).map(|value| self.sign * value);
@@ -434,36 +243,10 @@ impl Reader<'_> {
             let window = upstroke.map(|upstroke| upstroke.window_ms).ok_or(Missing::NoRise);
             metrics.extend(action_potential::of_upstroke(window, spontaneous, self.unit));
         }
-        let over = pulse.falls(AT_REST).unwrap_or(times[times.len() - 1]);
-        let touching = self.artefacts_within(start, over);
-        let torn = self.holes_within(span.begin, over);
-        let state = if span.cut_at_start {
-            remarks.push("the recording begins within it: its rest is unknown".to_owned());
-            State::CutAtStart
-        } else if !torn.is_empty() {
-            remarks.push(format!("no metric is read across {torn}: it counts in no mean"));
-            State::Interrupted
-        } else if !touching.is_empty() {
-            let verb = if touching.starts_with("an ") { "touches" } else { "touch" };
-            remarks.push(format!("{touching} {verb} it: it counts in no mean"));
-            State::Disturbed
-        } else if next.is_none() && pulse.falls(AT_REST).is_err() {
-            remarks.push("the recording ends before it is over".to_owned());
-            State::CutAtEnd
-        } else {
-            State::Whole
-        };
-        if state == State::CutAtEnd {
-            let cut = metrics.iter_mut().filter(|metric| TO_THE_END.contains(&metric.name));
-            cut.for_each(|metric| metric.lose(Missing::Cut));
-        }
-        if state == State::Interrupted {
-            let across = metrics.iter_mut().filter(|metric| !AT_REST_ALONE.contains(&metric.name));
-            across.for_each(|metric| metric.lose(Missing::Hole));
-        } else if !self.holes_within(start, times[times.len() - 1]).is_empty() {
-            let across = metrics.iter_mut().filter(|metric| TO_THE_END.contains(&metric.name));
-            across.for_each(|metric| metric.lose(Missing::Hole));
-        }
+        let end = times[times.len() - 1];
+        let (state, remarks) = self.state(span, next.is_none(), [start, end], &pulse);
+        let over_hole = !self.holes_within(start, end).is_empty();
+        lose_unread(&mut metrics, state, over_hole);
         metrics.insert(
             0,
             row(
@@ -477,8 +260,7 @@ impl Reader<'_> {
                 },
             ),
         );
-        let baseline = [times[0], times[times.len() - 1]]
-            .map(|time| Point { time, value: self.sign * base(time) });
+        let baseline = [start, end].map(|time| Point { time, value: self.sign * base(time) });
         CurveBeat {
             number,
             stimulus_ms: span.stimulus,
@@ -489,6 +271,33 @@ impl Reader<'_> {
             marks: self.marks(&pulse, onset, &base),
             baseline: Some(baseline),
         }
+    }
+
+    /// How much of a beat that is read from `start` to `end` was recorded undisturbed, and a remark.
+    fn state(
+        &self,
+        span: &Span,
+        is_last: bool,
+        [start, end]: [f64; 2],
+        pulse: &Pulse,
+    ) -> (State, Vec<String>) {
+        let back = pulse.falls(AT_REST);
+        let over = back.unwrap_or(end);
+        let touching = self.artefacts_within(start, over);
+        let torn = self.holes_within(span.begin, over);
+        let (state, remark) = if span.cut_at_start {
+            (State::CutAtStart, "the recording begins within it: its rest is unknown".to_owned())
+        } else if !torn.is_empty() {
+            (State::Interrupted, format!("no metric is read across {torn}: it counts in no mean"))
+        } else if !touching.is_empty() {
+            let verb = if touching.starts_with("an ") { "touches" } else { "touch" };
+            (State::Disturbed, format!("{touching} {verb} it: it counts in no mean"))
+        } else if is_last && back.is_err() {
+            (State::CutAtEnd, "the recording ends before it is over".to_owned())
+        } else {
+            return (State::Whole, Vec::new());
+        };
+        (state, vec![remark])
     }
 
     /// End of a beat that is followed by another before `last` (such as a spontaneous one after a
@@ -603,6 +412,28 @@ impl Reader<'_> {
     }
 }
 
+/// Time at which the line through 10 % and 50 % of a pulse's rise meets its rest.
+fn onset_of(pulse: &Pulse) -> Option<f64> {
+    let (tenth, half) = (pulse.rises(0.1).ok()?, pulse.rises(0.5).ok()?);
+    Some(tenth - 0.25 * (half - tenth))
+}
+
+/// Removes the values that a beat in this state does not show.
+fn lose_unread(metrics: &mut [Metric], state: State, over_hole: bool) {
+    let needs_the_end = |metric: &Metric| TO_THE_END.contains(&metric.name);
+    for metric in metrics {
+        if state == State::Interrupted {
+            if !AT_REST_ALONE.contains(&metric.name) {
+                metric.lose(Missing::Hole);
+            }
+        } else if over_hole && needs_the_end(metric) {
+            metric.lose(Missing::Hole);
+        } else if state == State::CutAtEnd && needs_the_end(metric) {
+            metric.lose(Missing::Cut);
+        }
+    }
+}
+
 /// Fills in the time from each upstroke to the next.
 fn cycles(beats: &mut [CurveBeat]) {
     let upstrokes: Vec<Option<f64>> = beats
@@ -625,13 +456,4 @@ fn cycles(beats: &mut [CurveBeat]) {
             }
         }
     }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
-/// Median time between neighbouring peaks.
-fn median_distance(times: &[f64], peaks: &[usize]) -> Option<f64> {
-    median(peaks.windows(2).map(|pair| times[pair[1]] - times[pair[0]]))
 }

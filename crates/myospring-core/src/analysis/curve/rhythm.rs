@@ -5,7 +5,7 @@ use crate::analysis::alternans::{self, Alternans};
 use crate::analysis::{Missing, value};
 
 /// Largest number of artefacts or beats that a remark lists.
-pub(super) const LISTED: usize = 5;
+const LISTED: usize = 5;
 
 /// Intervals below or above these multiples of the usual one are early or late.
 const EARLY: f64 = 0.8;
@@ -152,17 +152,19 @@ fn unlike_in(beats: &mut [CurveBeat], in_what: &Unlike) -> Option<String> {
 
 /// A remark that some beats are unusual and may not be beats.
 fn asked(numbers: &[usize], what: &str) -> String {
-    let listed: Vec<String> = numbers.iter().take(LISTED).map(usize::to_string).collect();
-    let more = match numbers.len().saturating_sub(LISTED) {
+    let numbers_listed = listed(numbers.iter().map(usize::to_string));
+    let [beats, whether] =
+        if numbers.len() == 1 { ["beat", "it is a beat"] } else { ["beats", "they are beats"] };
+    format!("{beats} {numbers_listed} {what}: whether {whether} is uncertain; look at the figure")
+}
+
+/// The first of some items, and the number of the others.
+pub(super) fn listed(items: impl ExactSizeIterator<Item = String>) -> String {
+    let more = match items.len().saturating_sub(LISTED) {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
-    let [beats, whether] =
-        if numbers.len() == 1 { ["beat", "it is a beat"] } else { ["beats", "they are beats"] };
-    format!(
-        "{beats} {}{more} {what}: whether {whether} is uncertain; look at the figure",
-        listed.join(", ")
-    )
+    items.take(LISTED).collect::<Vec<_>>().join(", ") + &more
 }
 
 /// Interquartile range relative to the median interval from which on pulses come by chance: random

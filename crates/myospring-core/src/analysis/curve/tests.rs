@@ -48,51 +48,67 @@ fn check(name: &str, analysis: &Analysis, metric: &str, expected: f64) {
     }
 }
 
+/// A shape of beats of which everything is known: times in ms, slopes per s.
+struct Form {
+    name: &'static str,
+    pulse: fn(f64) -> f64,
+    peak: f64,
+    rise: f64,
+    half: f64,
+    ninety: f64,
+    duration: f64,
+    /// Where the line through 10 % and 50 % meets the rest.
+    onset: f64,
+    area: f64,
+    steepest: f64,
+}
+
+fn forms() -> [Form; 3] {
+    let sine = |part: f64| 300.0 / PI * part.asin();
+    [
+        Form {
+            name: "triangle",
+            pulse: triangle,
+            peak: 100.0,
+            rise: 80.0,
+            half: 100.0,
+            ninety: 180.0,
+            duration: 150.0,
+            onset: 0.0,
+            area: 150.0,
+            steepest: 10.0,
+        },
+        Form {
+            name: "half sine",
+            pulse: half_sine,
+            peak: 150.0,
+            rise: sine(0.9) - sine(0.1),
+            half: 150.0 - sine(0.5),
+            ninety: 150.0 - sine(0.1),
+            duration: 300.0 - 2.0 * sine(0.5),
+            onset: sine(0.1) - 0.25 * (sine(0.5) - sine(0.1)),
+            area: 600.0 / PI,
+            steepest: PI / 0.3,
+        },
+        Form {
+            name: "exponential",
+            pulse: exponential,
+            peak: 50.0,
+            rise: 40.0,
+            half: 80.0 * 2.0_f64.ln(),
+            ninety: 80.0 * 10.0_f64.ln(),
+            duration: 25.0 + 80.0 * 2.0_f64.ln(),
+            onset: 0.0,
+            area: 105.0,
+            steepest: 20.0,
+        },
+    ]
+}
+
 #[test]
 fn closed_forms_have_their_known_answers_within_a_thousandth_in_every_kind() {
     let times = frames(1000.0, 5.0);
-    let ln = f64::ln;
-    // Onset: the line through 10 % and 50 %.
-    let sine = |part: f64| 300.0 / PI * part.asin();
-    let tenth = sine(0.1) - 0.25 * (sine(0.5) - sine(0.1));
-    for (name, pulse, peak, rise, half, ninety, duration, onset, area, steepest) in [
-        (
-            "triangle",
-            triangle as fn(f64) -> f64,
-            100.0,
-            80.0,
-            100.0,
-            180.0,
-            150.0,
-            0.0,
-            150.0,
-            10.0,
-        ),
-        (
-            "half sine",
-            half_sine,
-            150.0,
-            sine(0.9) - sine(0.1),
-            150.0 - sine(0.5),
-            150.0 - sine(0.1),
-            300.0 - 2.0 * sine(0.5),
-            tenth,
-            600.0 / PI,
-            PI / 0.3,
-        ),
-        (
-            "exponential",
-            exponential,
-            50.0,
-            40.0,
-            80.0 * ln(2.0),
-            80.0 * ln(10.0),
-            25.0 + 80.0 * ln(2.0),
-            0.0,
-            105.0,
-            20.0,
-        ),
-    ] {
+    for Form { name, pulse, peak, rise, half, ninety, duration, onset, area, steepest } in forms() {
         let shape = each_second(&times, pulse);
         let of = |kind, unit, level: f64, height: f64| {
             let values: Vec<f64> = shape.iter().map(|part| level + height * part).collect();

@@ -146,6 +146,16 @@ impl<const N: usize> Lanes<N> {
     /// peak or the stop sets [`Self::attention`] and is accepted by single-cell code.
     #[inline(always)]
     pub(in crate::cell) fn try_step(&mut self) {
+        let (mut error, mut outside) = self.propose();
+        if self.sliding.iter().any(|sliding| *sliding > 0.0) {
+            self.slide(&mut error, &mut outside);
+        }
+        self.judge(&error, &outside);
+    }
+
+    /// Makes a step in the branch of every lane: errors, and whether it leaves that branch.
+    #[inline(always)]
+    fn propose(&mut self) -> ([f64; N], [Attention; N]) {
         let mut error = [0.0; N];
         let mut outside = [0; N];
         for i in 0..N {
@@ -173,24 +183,31 @@ impl<const N: usize> Lanes<N> {
                 | flag(middle > high);
             outside[i] = leaves;
         }
-        if self.sliding.iter().any(|sliding| *sliding > 0.0) {
-            for i in 0..N {
-                let sliding = self.sliding[i] > 0.0;
-                let field = self.sides(i);
-                let (y, f) = (Self::get(&self.state, i), Self::get(&self.rates, i));
-                let trial = bogacki_shampine(&field, &y, &f, self.tried[i]);
-                let [upwards, downwards] = field.holds(&trial.state);
-                let leaves = flag(upwards <= 0.0) | flag(downwards <= 0.0);
-                error[i] = if sliding { trial.error } else { error[i] };
-                outside[i] = if sliding { leaves } else { outside[i] };
-                for k in 0..6 {
-                    self.new_state[k][i] =
-                        if sliding { trial.state[k] } else { self.new_state[k][i] };
-                    self.new_rates[k][i] =
-                        if sliding { trial.rates[k] } else { self.new_rates[k][i] };
-                }
+        (error, outside)
+    }
+
+    /// Makes the step again where a lane slides between two branches.
+    #[inline(always)]
+    fn slide(&mut self, error: &mut [f64; N], outside: &mut [Attention; N]) {
+        for i in 0..N {
+            let sliding = self.sliding[i] > 0.0;
+            let field = self.sides(i);
+            let (y, f) = (Self::get(&self.state, i), Self::get(&self.rates, i));
+            let trial = bogacki_shampine(&field, &y, &f, self.tried[i]);
+            let [upwards, downwards] = field.holds(&trial.state);
+            let leaves = flag(upwards <= 0.0) | flag(downwards <= 0.0);
+            error[i] = if sliding { trial.error } else { error[i] };
+            outside[i] = if sliding { leaves } else { outside[i] };
+            for k in 0..6 {
+                self.new_state[k][i] = if sliding { trial.state[k] } else { self.new_state[k][i] };
+                self.new_rates[k][i] = if sliding { trial.rates[k] } else { self.new_rates[k][i] };
             }
         }
+    }
+
+    /// Accepts the step where its error is small and nothing happens within it, and chooses the next.
+    #[inline(always)]
+    fn judge(&mut self, error: &[f64; N], outside: &[Attention; N]) {
         for i in 0..N {
             let scaled = error[i] / self.tolerance;
             let good = scaled <= 1.0;

@@ -61,7 +61,7 @@ impl Class {
     pub(super) const UNIFORM: Self = Self(1);
 }
 
-/// Coefficients of a square inside a uniform cell.
+/// Coefficients of a square, such as one inside a uniform cell.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Uniform {
     pub(super) stiffness: [f64; 4],
@@ -69,6 +69,19 @@ pub(super) struct Uniform {
     pub(super) fibre: [f64; 4],
     pub(super) area: f64,
     pub(super) inverse_mass: f64,
+}
+
+impl Uniform {
+    /// As records have them.
+    fn record(&self) -> [f64; RECORD] {
+        let mut all = [0.0; RECORD];
+        all[STIFFNESS..DAMPING].copy_from_slice(&self.stiffness);
+        all[DAMPING..FIBRE].copy_from_slice(&self.damping);
+        all[FIBRE..AREA].copy_from_slice(&self.fibre);
+        all[AREA] = self.area;
+        all[INVERSE_MASS] = self.inverse_mass;
+        all
+    }
 }
 
 /// Everything that a sweep reads but does not write.
@@ -276,15 +289,7 @@ impl LatticeTerms {
         let (columns, rows) = (self.columns, self.rows);
         let g = 0.5 * drag_rate * time_step;
         let slowing = 1.0 / (1.0 + g);
-        let mut inverse_mass = vec![0.0; columns * rows];
-        for (place, mass) in self.places.iter().zip(masses) {
-            inverse_mass[*place] = time_step * slowing / mass;
-        }
-        if let Support::Clamped(nodes) = support {
-            for &node in nodes {
-                inverse_mass[self.places[node]] = 0.0;
-            }
-        }
+        let inverse_mass = self.inverse_masses(masses, time_step * slowing, support);
         let alike = |parts: &[f64; 4]| parts.iter().all(|part| same(*part, parts[0]));
         if !self.area.iter().all(alike) {
             return None;
@@ -298,61 +303,10 @@ impl LatticeTerms {
             area: commonest(&area),
             inverse_mass: commonest(&inverse_mass),
         };
-        let coefficients = |place: usize| {
-            let mut all = [0.0; RECORD];
-            for direction in 0..4 {
-                all[STIFFNESS + direction] = self.stiffness[direction][place];
-                all[DAMPING + direction] = self.damping[direction][place];
-                all[FIBRE + direction] = self.fibre[direction][place];
-            }
-            all[AREA] = area[place];
-            all[INVERSE_MASS] = inverse_mass[place];
-            all
-        };
-        let common = {
-            let mut all = [0.0; RECORD];
-            all[STIFFNESS..DAMPING].copy_from_slice(&uniform.stiffness);
-            all[DAMPING..FIBRE].copy_from_slice(&uniform.damping);
-            all[FIBRE..AREA].copy_from_slice(&uniform.fibre);
-            all[AREA] = uniform.area;
-            all[INVERSE_MASS] = uniform.inverse_mass;
-            all
-        };
-        let mut occupied = vec![false; columns * rows];
-        for place in &self.places {
-            occupied[*place] = true;
-        }
-
         let blocks = columns.div_ceil(BLOCK);
         let stride = (blocks + 1) * BLOCK;
-        let mut classes = Vec::with_capacity(rows * blocks);
-        let mut records: Vec<Block> = Vec::new();
-        for row in 0..rows {
-            for block in 0..blocks {
-                let lanes: Vec<Option<usize>> = (block * BLOCK..(block + 1) * BLOCK)
-                    .map(|column| (column < columns).then_some(row * columns + column))
-                    .collect();
-                let values: Vec<[f64; RECORD]> =
-                    lanes.iter().map(|lane| lane.map_or([0.0; RECORD], coefficients)).collect();
-                let vacant = lanes.iter().all(|lane| lane.is_none_or(|place| !occupied[place]));
-                let class = if vacant && values.iter().all(|all| all.iter().all(|c| *c == 0.0)) {
-                    Class::EMPTY
-                } else if values
-                    .iter()
-                    .all(|all| all.iter().zip(&common).all(|(a, b)| same(*a, *b)))
-                {
-                    Class::UNIFORM
-                } else {
-                    let class = Class((records.len() / RECORD) as u32 + 2);
-                    records.extend(
-                        (0..RECORD)
-                            .map(|term| Block(std::array::from_fn(|lane| values[lane][term]))),
-                    );
-                    class
-                };
-                classes.push(class);
-            }
-        }
+        let record = |place: usize| self.record(place, area[place], inverse_mass[place]);
+        let (classes, records) = self.classes(record, uniform.record());
         let row_len = 4 * stride;
         let places: Vec<usize> =
             self.places.iter().map(|place| place / columns * row_len + place % columns).collect();
@@ -379,6 +333,69 @@ impl LatticeTerms {
             places,
             vacant: self.vacant(stride),
         })
+    }
+
+    /// `scale / m` at every place, 0 where there is no mass or a fixed one.
+    fn inverse_masses(&self, masses: &[f64], scale: f64, support: &Support) -> Vec<f64> {
+        let mut inverse_mass = vec![0.0; self.columns * self.rows];
+        for (place, mass) in self.places.iter().zip(masses) {
+            inverse_mass[*place] = scale / mass;
+        }
+        if let Support::Clamped(nodes) = support {
+            for &node in nodes {
+                inverse_mass[self.places[node]] = 0.0;
+            }
+        }
+        inverse_mass
+    }
+
+    /// The record of a square.
+    fn record(&self, place: usize, area: f64, inverse_mass: f64) -> [f64; RECORD] {
+        let at = |of: &[Vec<f64>; 4]| [0, 1, 2, 3].map(|direction| of[direction][place]);
+        let (stiffness, damping, fibre) = (at(&self.stiffness), at(&self.damping), at(&self.fibre));
+        Uniform { stiffness, damping, fibre, area, inverse_mass }.record()
+    }
+
+    /// The class of every block, from the records of its squares, and the records of those that are neither
+    /// empty nor `uniform`.
+    fn classes(
+        &self,
+        record: impl Fn(usize) -> [f64; RECORD],
+        uniform: [f64; RECORD],
+    ) -> (Vec<Class>, Vec<Block>) {
+        let (columns, blocks) = (self.columns, self.columns.div_ceil(BLOCK));
+        let mut occupied = vec![false; columns * self.rows];
+        for place in &self.places {
+            occupied[*place] = true;
+        }
+        let mut classes = Vec::with_capacity(self.rows * blocks);
+        let mut records: Vec<Block> = Vec::new();
+        for row in 0..self.rows {
+            for block in 0..blocks {
+                let lanes: Vec<Option<usize>> = (block * BLOCK..(block + 1) * BLOCK)
+                    .map(|column| (column < columns).then_some(row * columns + column))
+                    .collect();
+                let values: Vec<[f64; RECORD]> =
+                    lanes.iter().map(|lane| lane.map_or([0.0; RECORD], &record)).collect();
+                let vacant = lanes.iter().all(|lane| lane.is_none_or(|place| !occupied[place]));
+                let is_uniform =
+                    |all: &[f64; RECORD]| all.iter().zip(&uniform).all(|(a, b)| same(*a, *b));
+                let class = if vacant && values.iter().all(|all| all.iter().all(|c| *c == 0.0)) {
+                    Class::EMPTY
+                } else if values.iter().all(is_uniform) {
+                    Class::UNIFORM
+                } else {
+                    let class = Class((records.len() / RECORD) as u32 + 2);
+                    records.extend(
+                        (0..RECORD)
+                            .map(|term| Block(std::array::from_fn(|lane| values[lane][term]))),
+                    );
+                    class
+                };
+                classes.push(class);
+            }
+        }
+        (classes, records)
     }
 
     /// Stiffness and resting position of all anchors, in rows.

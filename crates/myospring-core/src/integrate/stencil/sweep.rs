@@ -83,6 +83,33 @@ struct Uniform<L: Lanes> {
     inverse_mass: L::V,
 }
 
+impl<L: Lanes> Uniform<L> {
+    /// The coefficients of a square inside a uniform cell under a tension.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+    unsafe fn of<const LAWS: u8>(plan: &Plan, tension: f64) -> Self {
+        let common = &plan.uniform;
+        // SAFETY: the caller has the features of L.
+        unsafe {
+            let stiffness = |direction: usize| {
+                let fibre =
+                    if LAWS & laws::FIBRE == 0 { 0.0 } else { tension * common.fibre[direction] };
+                L::splat(common.stiffness[direction] + fibre)
+            };
+            let load = |direction: usize| {
+                L::splat(-common.stiffness[direction] * plan.rest_length[direction / 2])
+            };
+            Self {
+                stiffness: [stiffness(0), stiffness(1), stiffness(2), stiffness(3)],
+                load: [load(0), load(1), load(2), load(3)],
+                damping: common.damping.map(|value| L::splat(value)),
+                area: L::splat(common.area),
+                inverse_mass: L::splat(common.inverse_mass),
+            }
+        }
+    }
+}
+
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 impl<L: Lanes> Terms<L> for Uniform<L> {
     #[inline(always)]
@@ -160,6 +187,65 @@ struct Corners<V> {
     by_d: Pair<V>,
     a: Pair<V>,
     va: Pair<V>,
+}
+
+/// A step in time, with `g = gamma dt/2`.
+struct Step<L: Lanes> {
+    /// `1/2`
+    half: L::V,
+    /// `1/(1 + g)`
+    slowing: L::V,
+    /// `(1 - g)/(1 + g)`
+    keep: L::V,
+    /// `dt`
+    time: L::V,
+}
+
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+impl<L: Lanes> Step<L> {
+    #[inline(always)]
+    unsafe fn of(plan: &Plan) -> Self {
+        // SAFETY: the caller has the features of L, here and below.
+        unsafe {
+            let (half, slowing) = (L::splat(0.5), L::splat(plan.slowing));
+            Self { half, slowing, keep: L::splat(plan.keep), time: L::splat(plan.time_step) }
+        }
+    }
+
+    /// Positions `x_{n+1} = x_n + dt v_{n+1/2}` and velocities
+    /// `v_{n+1/2} = [(1 - g) v_{n-1/2} + dt f_n/m] / (1 + g)`: `coelho_2021`, Eq. (16).
+    #[inline(always)]
+    unsafe fn made(
+        &self,
+        inverse_mass: L::V,
+        force: Pair<L::V>,
+        a: Pair<L::V>,
+        va: Pair<L::V>,
+    ) -> (Pair<L::V>, Pair<L::V>) {
+        // SAFETY: see above.
+        unsafe {
+            let v = Pair {
+                x: L::mul_add(inverse_mass, force.x, L::mul(self.keep, va.x)),
+                y: L::mul_add(inverse_mass, force.y, L::mul(self.keep, va.y)),
+            };
+            let moved =
+                Pair { x: L::mul_add(self.time, v.x, a.x), y: L::mul_add(self.time, v.y, a.y) };
+            (moved, v)
+        }
+    }
+
+    /// Velocities at the full step, `v_n = (v_{n-1/2} + dt/2 f_n/m) / (1 + g)`.
+    #[inline(always)]
+    unsafe fn halfway(&self, inverse_mass: L::V, force: Pair<L::V>, va: Pair<L::V>) -> Pair<L::V> {
+        // SAFETY: see above.
+        unsafe {
+            let kick = L::mul(self.half, inverse_mass);
+            Pair {
+                x: L::mul_add(kick, force.x, L::mul(self.slowing, va.x)),
+                y: L::mul_add(kick, force.y, L::mul(self.slowing, va.y)),
+            }
+        }
+    }
 }
 
 /// `s` such that the force on the spring's first end is `s l`, with `l` and the relative velocity
@@ -279,27 +365,11 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
     // SAFETY: see above; every offset below stays within the row or record that it belongs to.
     unsafe {
         let stride = plan.stride;
-        let common = &plan.uniform;
-        let stiffness = |direction: usize| {
-            let fibre =
-                if LAWS & laws::FIBRE == 0 { 0.0 } else { tension * common.fibre[direction] };
-            L::splat(common.stiffness[direction] + fibre)
-        };
-        let load = |direction: usize| {
-            L::splat(-common.stiffness[direction] * plan.rest_length[direction / 2])
-        };
-        let uniform = Uniform::<L> {
-            stiffness: [stiffness(0), stiffness(1), stiffness(2), stiffness(3)],
-            load: [load(0), load(1), load(2), load(3)],
-            damping: common.damping.map(|value| L::splat(value)),
-            area: L::splat(common.area),
-            inverse_mass: L::splat(common.inverse_mass),
-        };
+        let uniform = Uniform::<L>::of::<LAWS>(plan, tension);
+        let step = Step::<L>::of(plan);
         let minus_rest_length = plan.rest_length.map(|value| L::splat(-value));
         let rest = L::splat(plan.rest_area);
         let zero = L::splat(0.0);
-        let (half, slowing) = (L::splat(0.5), L::splat(plan.slowing));
-        let (keep, time_step) = (L::splat(plan.keep), L::splat(plan.time_step));
         let pair = |from: *const f64| Pair { x: L::load(from), y: L::load(from.add(stride)) };
         let store = |to: *mut f64, value: Pair<L::V>| {
             L::store(to, value.x);
@@ -358,27 +428,12 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                     force.y = L::mul_sub_from(k, L::sub(a.y, rest.y), force.y);
                 }
                 if PURPOSE == purpose::MOVE {
-                    // v_{n+1/2} = [(1 - g) v_{n-1/2} + dt f_n/m] / (1 + g) and
-                    // x_{n+1} = x_n + dt v_{n+1/2}: coelho_2021, Eq. (16), with g = gamma dt/2
-                    let v = Pair {
-                        x: L::mul_add(inverse_mass, force.x, L::mul(keep, va.x)),
-                        y: L::mul_add(inverse_mass, force.y, L::mul(keep, va.y)),
-                    };
+                    let (moved, v) = step.made(inverse_mass, force, a, va);
                     store(lower.add(2 * stride), v);
-                    let moved = Pair {
-                        x: L::mul_add(time_step, v.x, a.x),
-                        y: L::mul_add(time_step, v.y, a.y),
-                    };
                     store(lower, moved);
                 }
                 if PURPOSE == purpose::LOOK {
-                    // v_n = (v_{n-1/2} + dt/2 f_n/m) / (1 + g)
-                    let kick = L::mul(half, inverse_mass);
-                    let seen = Pair {
-                        x: L::mul_add(kick, force.x, L::mul(slowing, va.x)),
-                        y: L::mul_add(kick, force.y, L::mul(slowing, va.y)),
-                    };
-                    store(row.out.add(at), seen);
+                    store(row.out.add(at), step.halfway(inverse_mass, force, va));
                 }
                 store(carry, Pair { x: L::add(by_d.x, across.x), y: L::add(by_d.y, across.y) });
             }

@@ -1,6 +1,6 @@
 //! A run that is compared.
 
-use crate::analysis::beat::Beats;
+use crate::analysis::beats::Beats;
 use crate::compare::factor::Scaled;
 use crate::compare::setting;
 use crate::experiment::input;

@@ -1,7 +1,7 @@
 //! The figures of a run.
 
 use super::finished::Finished;
-use crate::analysis::beat::{Band, band};
+use crate::analysis::bands::{Band, band};
 use crate::experiment::overlay::{self, Lattice};
 use crate::experiment::{Draw, ExperimentError, Folder};
 use crate::output::figure::{self, ContractionOptions, FigureError};

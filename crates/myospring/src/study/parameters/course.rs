@@ -2,7 +2,7 @@
 
 use super::cell_metrics::{Timed, unit};
 use super::description::CountedBeat;
-use crate::analysis::beat::Beats;
+use crate::analysis::beats::Beats;
 use crate::cell::CellModel;
 use crate::cell::batch::CellSample;
 use crate::cell::pacing::Protocol;

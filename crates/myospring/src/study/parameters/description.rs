@@ -129,6 +129,30 @@ struct Written {
     traces: Option<bool>,
 }
 
+impl Written {
+    /// The run that members have in common; `read` reads a run file that it names.
+    fn run_file(
+        &self,
+        models: Models,
+        read: impl Fn(&str) -> Result<String, ParameterStudyError>,
+    ) -> Result<RunFile, ParameterStudyError> {
+        let run = match &self.run {
+            None => RunFile::default(),
+            Some(toml::Value::String(path)) => RunFile::from_text(&read(path)?)?,
+            Some(tables) => RunFile::from_text(&toml::to_string(tables).unwrap_or_default())?,
+        };
+        let run = ParameterStudy::with_usual_methods(run.knowing(models))?;
+        if self.kind == MemberKind::Cell && !run.has("cell.tolerance") {
+            let mut with = run.clone();
+            with.set("cell.tolerance", STIFF_TOLERANCE)?;
+            if with.resolve().is_ok_and(|run| run.numerics.cell.method == CellMethod::Stiff) {
+                return Ok(with);
+            }
+        }
+        Ok(run)
+    }
+}
+
 /// `[sampling]` of a table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -203,47 +227,13 @@ impl ParameterStudy {
             let bytes = read(path).map_err(failed)?;
             decoded(&bytes).map_err(|_| failed(io::ErrorKind::InvalidData.into()))
         };
-        let run = match &written.run {
-            None => RunFile::default(),
-            Some(toml::Value::String(path)) => RunFile::from_text(&read_text("run", path)?)?,
-            Some(tables) => RunFile::from_text(&toml::to_string(tables).unwrap_or_default())?,
-        };
-        let mut run = Self::with_usual_methods(run.knowing(models))?;
-        if written.kind == MemberKind::Cell && !run.has("cell.tolerance") {
-            let mut with = run.clone();
-            with.set("cell.tolerance", STIFF_TOLERANCE)?;
-            if with.resolve().is_ok_and(|run| run.numerics.cell.method == CellMethod::Stiff) {
-                run = with;
-            }
-        }
+        let run = written.run_file(models, |path| read_text("run", path))?;
         let base = run.resolve()?;
-        let mut sampling = written.sampling.ok_or(ParameterStudyError::NoSampling)?;
+        let sampling = written.sampling.ok_or(ParameterStudyError::NoSampling)?;
         let (varied, design, values) = if sampling.get("sampler") == Some(&"table".into()) {
-            let OfTable { file, .. } =
-                OfTable::deserialize(toml::Value::Table(sampling)).map_err(|error| {
-                    ParameterStudyError::Table { cause: error.message().to_owned() }
-                })?;
-            if !written.parameters.is_empty() {
-                let cause = format!(
-                    "the columns of `{file}` are what varies, so [parameters] would not be used: leave it out"
-                );
-                return Err(ParameterStudyError::Table { cause });
-            }
-            let (varied, values) =
-                rows_of_table(&file, &read_text("[sampling] file", &file)?, &base)?;
-            (varied, Design::Table, Values::Table(values))
+            tabled(sampling, &written.parameters, &base, |path| read_text("[sampling] file", path))?
         } else {
-            let seed = match sampling.remove("seed") {
-                None => 1,
-                Some(seed) => u64::deserialize(seed).map_err(|error| in_sampling(&error))?,
-            };
-            let sampler = Sampler::deserialize(toml::Value::Table(sampling));
-            let sampler = sampler.map_err(|error| in_sampling(&error))?;
-            let varied = varied(&written.parameters, &base)?;
-            let distributions: Vec<Distribution> =
-                varied.iter().filter_map(|varied| varied.distribution).collect();
-            let values = sample(&sampler, &distributions, seed)?;
-            (varied, Design::Sampled { sampler, seed }, Values::Sampled(values))
+            sampled(sampling, &written.parameters, &base)?
         };
         let unknown = |varied: &&Varied| varied.number.get(&base).is_none();
         if let (MemberKind::Cell, Some(Varied { number, .. })) =
@@ -382,6 +372,47 @@ impl ParameterStudy {
         let fixed = |varied: &Varied| varied.distribution.is_some_and(|it| it.is_fixed());
         (0..self.varied.len()).filter(|&at| !fixed(&self.varied[at])).collect()
     }
+}
+
+/// What varies, where its values come from, and the values.
+type Members = (Vec<Varied>, Design, Values);
+
+/// The members of a table that `read` reads.
+fn tabled(
+    sampling: toml::Table,
+    parameters: &toml::Table,
+    base: &Run,
+    read: impl Fn(&str) -> Result<String, ParameterStudyError>,
+) -> Result<Members, ParameterStudyError> {
+    let OfTable { file, .. } = OfTable::deserialize(toml::Value::Table(sampling))
+        .map_err(|error| ParameterStudyError::Table { cause: error.message().to_owned() })?;
+    if !parameters.is_empty() {
+        let cause = format!(
+            "the columns of `{file}` are what varies, so [parameters] would not be used: leave it out"
+        );
+        return Err(ParameterStudyError::Table { cause });
+    }
+    let (varied, values) = rows_of_table(&file, &read(&file)?, base)?;
+    Ok((varied, Design::Table, Values::Table(values)))
+}
+
+/// The members that a sampler draws.
+fn sampled(
+    mut sampling: toml::Table,
+    parameters: &toml::Table,
+    base: &Run,
+) -> Result<Members, ParameterStudyError> {
+    let seed = match sampling.remove("seed") {
+        None => 1,
+        Some(seed) => u64::deserialize(seed).map_err(|error| in_sampling(&error))?,
+    };
+    let sampler = Sampler::deserialize(toml::Value::Table(sampling));
+    let sampler = sampler.map_err(|error| in_sampling(&error))?;
+    let varied = varied(parameters, base)?;
+    let distributions: Vec<Distribution> =
+        varied.iter().filter_map(|varied| varied.distribution).collect();
+    let values = sample(&sampler, &distributions, seed)?;
+    Ok((varied, Design::Sampled { sampler, seed }, Values::Sampled(values)))
 }
 
 /// The numbers that vary, with their distributions in the units of these numbers.

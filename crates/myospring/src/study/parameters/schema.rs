@@ -1,6 +1,6 @@
 //! The JSON Schema of descriptions of studies.
 
-use crate::analysis::beat::known;
+use crate::analysis::beats::known;
 use crate::run_file;
 use crate::study::sampling::Sampler;
 use serde_json::{Map, Value, json};

@@ -8,7 +8,7 @@ use super::error::ParameterStudyError;
 use super::member::{Variation, VariationRow};
 use super::shard::Shard;
 use super::traces::{TraceAxes, Traces};
-use crate::analysis::beat::{Beats, known};
+use crate::analysis::beats::{Beats, known};
 use crate::cell::batch;
 use crate::integrate::Method;
 use crate::integrate::quasi_static::Tolerance;

@@ -2,7 +2,7 @@
 
 use super::super::*;
 use super::Noise;
-use super::grid::{Faults, SHAPES, recording, scale, tops};
+use super::grid::{Faults, Recording, SHAPES, recording, scale, tops};
 
 /// Of each recording: untouched beats, those of them that are lost, artefacts, those that are not listed, whether anything is
 /// wrong, and whether that is said.
@@ -15,6 +15,55 @@ struct Sum {
     unlisted: usize,
     wrong: usize,
     silent: Vec<String>,
+}
+
+impl Sum {
+    /// Counts what was found in a recording with artefacts at these times.
+    fn add(
+        &mut self,
+        recording: &Recording,
+        places: &[[f64; 2]],
+        found: &Result<Analysis, CurveError>,
+        name: impl Fn() -> String,
+    ) {
+        let all = found.as_ref().map(tops).unwrap_or_default();
+        let treatment = found.as_ref().map(|found| &found.treatment).ok();
+        let is_listed = |[from, to]: &&[f64; 2]| {
+            treatment.is_some_and(|it| {
+                let within = |frame: &usize| (*from..=*to).contains(&recording.times[frame - 1]);
+                let over = |it: &Artefact| it.from_ms <= *to && it.to_ms >= *from;
+                it.bad_frames.iter().any(within) || it.artefacts.iter().any(over)
+            })
+        };
+        let hit =
+            |onset: &&f64| all.iter().any(|top| (*onset - 60.0..*onset + 500.0).contains(top));
+        let touched = |onset: &f64| {
+            places.iter().any(|[from, to]| *to > onset - 150.0 && *from < onset + 500.0)
+        };
+        let untouched: Vec<&f64> =
+            recording.onsets.iter().filter(|onset| !touched(onset)).collect();
+        let lost = untouched.iter().filter(|onset| !hit(onset)).count();
+        let matched = recording.onsets.iter().filter(hit).count();
+        let invented = all.len() - matched.min(all.len());
+        let unlisted = places.len() - places.iter().filter(is_listed).count();
+        self.recordings += 1;
+        self.untouched += untouched.len();
+        self.lost += lost;
+        self.artefacts += places.len();
+        self.unlisted += unlisted;
+        if lost + invented == 0 && 4 * unlisted <= places.len() {
+            return;
+        }
+        self.wrong += 1;
+        let is_asked = |found: &Analysis| {
+            found.remarks.iter().any(|remark| remark.contains("look at the figure"))
+        };
+        if found.as_ref().is_ok_and(|found| !is_asked(found)) {
+            let name = name();
+            self.silent
+                .push(format!("{name}: {lost} lost, {invented} more, {unlisted} not listed"));
+        }
+    }
 }
 
 /// Before, 18 of these 196 were wrong without a word; two beats of contraction among ten artefacts may still be.
@@ -44,49 +93,12 @@ fn among_more_artefacts_than_beats_the_beats_are_found_or_it_is_said_that_they_c
                         let [level, size] = scale(kind);
                         let values: Vec<f64> = signal.iter().map(|v| level + size * v).collect();
                         let found = analyse(times, &values, kind, "", &CurveOptions::default());
-                        let all = found.as_ref().map(tops).unwrap_or_default();
-                        let treatment = found.as_ref().map(|found| &found.treatment).ok();
-                        let is_listed = |[from, to]: &&[f64; 2]| {
-                            treatment.is_some_and(|it| {
-                                let within =
-                                    |frame: &usize| (*from..=*to).contains(&times[frame - 1]);
-                                let over = |it: &Artefact| it.from_ms <= *to && it.to_ms >= *from;
-                                it.bad_frames.iter().any(within) || it.artefacts.iter().any(over)
-                            })
-                        };
-                        let own = |onset: f64| onset - 60.0..onset + 500.0;
-                        let hit = |onset: &f64| all.iter().any(|top| own(*onset).contains(top));
-                        let touched = |onset: &f64| {
-                            let near = |[from, to]: &[f64; 2]| {
-                                *to > onset - 150.0 && *from < onset + 500.0
-                            };
-                            places.iter().any(near)
-                        };
-                        let untouched: Vec<&f64> =
-                            recording.onsets.iter().filter(|onset| !touched(onset)).collect();
-                        let lost = untouched.iter().filter(|onset| !hit(onset)).count();
-                        let matched = recording.onsets.iter().filter(|onset| hit(onset)).count();
-                        let invented = all.len() - matched.min(all.len());
-                        let unlisted = count - places.iter().filter(is_listed).count();
-                        sum.recordings += 1;
-                        sum.untouched += untouched.len();
-                        sum.lost += lost;
-                        sum.artefacts += count;
-                        sum.unlisted += unlisted;
-                        if lost + invented > 0 || 4 * unlisted > count {
-                            sum.wrong += 1;
-                            let said = found.is_err()
-                                || found.is_ok_and(|found| {
-                                    found.remarks.iter().any(|it| it.contains("look at the figure"))
-                                });
-                            if !said {
-                                sum.silent.push(format!(
-                                    "{kind:?}, {rate} /s, {beats} beats, {frames} frames, {} x{count}: \
-                                     {lost} lost, {invented} more, {unlisted} not listed",
-                                    direction * height
-                                ));
-                            }
-                        }
+                        sum.add(&recording, &places, &found, || {
+                            let height = direction * height;
+                            format!(
+                                "{kind:?}, {rate} /s, {beats} beats, {frames} frames, {height} x{count}"
+                            )
+                        });
                     }
                 }
             }

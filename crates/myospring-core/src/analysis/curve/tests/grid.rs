@@ -1,6 +1,7 @@
 //! Beats among artefacts: a grid over their direction, length, height and number, over kinds of curves and recordings.
 
 use super::super::*;
+use super::{half_sine, triangle};
 use crate::analysis::kind::Kind;
 use crate::analysis::tests::Noise;
 use std::f64::consts::PI;
@@ -12,12 +13,6 @@ fn contraction(t: f64) -> f64 {
         t if t < 120.0 => 0.5 - 0.5 * (PI * t / 120.0).cos(),
         t => (-((t - 120.0) / 110.0).powi(2)).exp().max((-(t - 120.0) / 90.0).exp() * 0.8),
     }
-}
-fn triangle(t: f64) -> f64 {
-    (t / 100.0).min((300.0 - t) / 200.0).max(0.0)
-}
-fn half_sine(t: f64) -> f64 {
-    if (0.0..300.0).contains(&t) { (PI * t / 300.0).sin() } else { 0.0 }
 }
 fn transient(t: f64) -> f64 {
     match t {

@@ -1,13 +1,13 @@
 //! The unloaded twitch of every cell model of the list, over what is measured: the table and the figure of
 //! `docs/explanation/which-cell-model.md`.
 //!
-//! `cargo run --release -p myospring --all-features --example unloaded_twitches -- docs/pictures/which-cell-model.png`
+//! `cargo run --release -p myospring-verification --example unloaded_twitches -- docs/pictures/which-cell-model.png`
 //!
 //! Each model has the material that a run takes with it unless told otherwise, on the built-in cell along its path of
 //! equilibria. The toy, and models without tension, are left out.
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-use myospring::analysis::beat;
+use myospring::analysis::bands;
 use myospring::cell::{self, CellModel};
 use myospring::output::figure::{ContractionOptions, contraction};
 use myospring::output::files;
@@ -51,7 +51,7 @@ fn main() -> Result<(), Failure> {
         twitches.push((name.to_owned(), outcome.recording));
     }
     let path = std::env::args().nth(1).map_or_else(|| "twitches.png".into(), PathBuf::from);
-    let band = beat::band("peak_shortening").ok_or("no band")?;
+    let band = bands::band("peak_shortening").ok_or("no band")?;
     let options = ContractionOptions {
         stimulus_times_ms: vec![50.0],
         reference_band: Some(([band.low, band.high], "unloaded adult ventricular cells")),

@@ -1,7 +1,7 @@
 //! Seconds that a beat of the built-in cell takes, without figures and files.
 //!
 //! ```text
-//! cargo run --release --example beat_time -- MILLISECONDS SPACING THREADS
+//! cargo run --release -p myospring-verification --example beat_time -- MILLISECONDS SPACING THREADS
 //! ```
 //!
 //! SPACING in um and THREADS may be `default`. Prints one JSON line; the length at the end does not

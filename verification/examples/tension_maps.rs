@@ -1,15 +1,15 @@
 //! How well a known map of tension is found in a film, over noise, shape and support.
 //!
-//! `cargo run --release -p myospring --all-features --example tension_maps` prints the table of `docs/reference/accuracy.md`; with
+//! `cargo run --release -p myospring-verification --example tension_maps` prints the table of `docs/reference/accuracy.md`; with
 //! `-- docs/pictures/tension-map.png` it draws its picture instead.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
 
-#[path = "../tests/common/pulled_film.rs"]
+#[path = "../../crates/myospring/tests/common/pulled_film.rs"]
 mod pulled_film;
-#[path = "../tests/common/synthetic_cell.rs"]
+#[path = "../../crates/myospring/tests/common/synthetic_cell.rs"]
 mod synthetic_cell;
-#[path = "../tests/common/synthetic_film.rs"]
+#[path = "../../crates/myospring/tests/common/synthetic_film.rs"]
 mod synthetic_film;
 
 use myospring::mechanics::support::SupportKind;

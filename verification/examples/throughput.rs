@@ -1,7 +1,7 @@
 //! Spring updates per second of the fused kernel, in the form of the peers' benchmarks.
 //!
 //! ```text
-//! cargo run --release --example throughput -- SIZE THREADS [springs|all|fields] [avx512|avx2|portable|plain]
+//! cargo run --release -p myospring-verification --example throughput -- SIZE THREADS [springs|all|fields] [avx512|avx2|portable|plain]
 //! ```
 //!
 //! SIZE is `2k`, `20k`, `200k`, `2M` or `COLUMNSxROWS` masses. `springs`: springs and dashpots; `all`:

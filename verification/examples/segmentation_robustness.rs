@@ -2,7 +2,7 @@
 //! contrast and noise and for single difficulties, as the tables of `docs/reference/accuracy.md`.
 //!
 //! ```text
-//! cargo run --release -p myospring --example segmentation_robustness
+//! cargo run --release -p myospring-verification --example segmentation_robustness
 //! ```
 #![allow(
     clippy::print_stdout,
@@ -10,7 +10,7 @@
     reason = "it prints tables of pictures of its own"
 )]
 
-#[path = "../tests/common/synthetic_cell.rs"]
+#[path = "../../crates/myospring/tests/common/synthetic_cell.rs"]
 mod synthetic_cell;
 
 use myospring::mesh::pixel_size::PixelSize;

@@ -1,11 +1,11 @@
-//! How far beats are from converged ones of another program (`tests/reference/cell_converged.py`): a JSON line
+//! How far beats are from converged ones of another program (`crates/myospring/tests/reference/cell_converged.py`): a JSON line
 //! for each published set and way of integrating, and the largest of each way.
 //!
 //! Five beats each at 500, 1000 and 2000 ms; adaptive steps at tolerances 1e-5 (the default) and 1e-9, and the
 //! default fixed steps.
 //!
 //! ```sh
-//! cargo run --release -p myospring --no-default-features --example cell_accuracy
+//! cargo run --release -p myospring-verification --example cell_accuracy
 //! ```
 #![allow(clippy::print_stdout, reason = "printing is what this program is for")]
 
@@ -102,7 +102,7 @@ fn differences(
 ) -> Result<Numbers, Box<dyn Error>> {
     let mut worst = [0.0; 4];
     let own = format!("{},{cycle_ms},", model.name());
-    let rows = include_str!("../tests/reference/cell_converged.csv");
+    let rows = include_str!("../../crates/myospring/tests/reference/cell_converged.csv");
     for row in rows.lines().filter_map(|line| line.strip_prefix(&own)) {
         let numbers: Vec<f64> = row.split(',').map(str::parse).collect::<Result<_, _>>()?;
         let &[beat, u, tension, time_ms, apd90_ms] = &numbers[..] else { return Err(row.into()) };

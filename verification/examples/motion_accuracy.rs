@@ -1,14 +1,14 @@
 //! How well a known motion is found, over scale, noise, depth of grey and frame rate; and how fast.
 //!
-//! `cargo run --release -p myospring --example motion_accuracy` prints the table of `docs/reference/accuracy.md`;
+//! `cargo run --release -p myospring-verification --example motion_accuracy` prints the table of `docs/reference/accuracy.md`;
 //! `-- speed` times 500 frames of 512 x 512 pixels with about 2000 points; `-- film FILE.y4m` writes a film to try
 //! `myospring track` on.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
 
-#[path = "../tests/common/synthetic_cell.rs"]
+#[path = "../../crates/myospring/tests/common/synthetic_cell.rs"]
 mod synthetic_cell;
-#[path = "../tests/common/synthetic_film.rs"]
+#[path = "../../crates/myospring/tests/common/synthetic_film.rs"]
 mod synthetic_film;
 
 use myospring::mesh::lattice;

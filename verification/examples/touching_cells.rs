@@ -2,7 +2,7 @@
 //! `docs/reference/accuracy.md`.
 //!
 //! ```text
-//! cargo run --release -p myospring --example touching_cells
+//! cargo run --release -p myospring-verification --example touching_cells
 //! ```
 #![allow(
     clippy::print_stdout,
@@ -10,9 +10,9 @@
     reason = "it prints tables of pictures of its own"
 )]
 
-#[path = "../tests/common/synthetic_cell.rs"]
+#[path = "../../crates/myospring/tests/common/synthetic_cell.rs"]
 mod synthetic_cell;
-#[path = "../tests/common/touching_cells.rs"]
+#[path = "../../crates/myospring/tests/common/touching_cells.rs"]
 mod touching_cells;
 
 use myospring::mesh::pixel_size::PixelSize;

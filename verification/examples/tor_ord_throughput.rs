@@ -4,7 +4,7 @@
 //! beat each, side by side and sampled each ms. Errors are those of the one cell: a lane takes its steps. `verification/peers/bench_tor_ord.py` lays Myokit beside it.
 //!
 //! ```sh
-//! cargo run --release -p myospring --no-default-features --example tor_ord_throughput
+//! cargo run --release -p myospring-verification --example tor_ord_throughput
 //! ```
 #![allow(clippy::print_stdout, reason = "printing is what this program is for")]
 

@@ -5,7 +5,7 @@
 //! Prints one JSON line per set and s: cells, those that no step took further, steps on average and the most.
 //!
 //! ```sh
-//! cargo run --release -p myospring --no-default-features --example cell_robustness
+//! cargo run --release -p myospring-verification --example cell_robustness
 //! ```
 #![allow(clippy::print_stdout, reason = "printing is what this program is for")]
 

@@ -3,7 +3,7 @@
 //! artefacts that are not listed, and means that artefacts move; and how many of these recordings the program calls doubtful.
 //!
 //! ```text
-//! cargo run --release -p myospring --example curve_robustness [RECORDINGS [SEED [SHOW [ONE]]]]
+//! cargo run --release -p myospring-verification --example curve_robustness [RECORDINGS [SEED [SHOW [ONE]]]]
 //! ```
 #![allow(clippy::print_stdout, reason = "it prints tables of curves of its own")]
 
@@ -146,6 +146,48 @@ struct Recording {
     crowd: f64,
 }
 
+/// Artefacts of one form.
+struct Artefacts {
+    count: usize,
+    /// Frames.
+    length: usize,
+    /// In beats.
+    height: f64,
+    form: &'static str,
+}
+
+impl Artefacts {
+    fn of(random: &mut Random, longest: f64) -> Self {
+        let length = random.of_any_size(1.0, longest + 0.999) as usize;
+        let height = random.of_any_size(0.5, 20.0);
+        let count = random.of_any_size(1.0, 20.999) as usize;
+        let height = height * random.one_of(&[1.0, -1.0]);
+        Self { count, length, height, form: random.one_of(&["box", "hump", "ramp", "decay"]) }
+    }
+
+    /// Lays them over a curve anywhere: first and last frame of each.
+    fn lay(&self, random: &mut Random, values: &mut [f64]) -> Vec<[usize; 2]> {
+        let length = self.length;
+        let mut places = Vec::new();
+        for _ in 0..self.count {
+            let room = (values.len() - length) as f64;
+            let at = (random.uniform() * room) as usize;
+            for frame in 0..length {
+                let part = (frame + 1) as f64 / (length + 1) as f64;
+                let size = match self.form {
+                    "hump" if length > 1 => (0.5 * TAU * part).sin(),
+                    "ramp" if length > 1 => (2.0 * part).min(2.0 - 2.0 * part),
+                    "decay" if length > 1 => (-2.0 * (part - 1.0 / (length + 1) as f64)).exp(),
+                    _ => 1.0,
+                };
+                values[at + frame] += self.height * size;
+            }
+            places.push([at, at + length - 1]);
+        }
+        places
+    }
+}
+
 fn record(seed: u64) -> Recording {
     let mut random = Random::new(seed);
     let kind = random.one_of(&KINDS);
@@ -193,35 +235,20 @@ fn record(seed: u64) -> Recording {
         })
         .collect();
     let longest = (duration * rate * 1e-3 / 3.0).clamp(1.0, 30.0);
-    let length = random.of_any_size(1.0, longest + 0.999) as usize;
-    let height = random.of_any_size(0.5, 20.0);
-    let count = random.of_any_size(1.0, 20.999) as usize;
-    let direction = random.one_of(&[1.0, -1.0]);
-    let form = random.one_of(&["box", "hump", "ramp", "decay"]);
+    let artefacts = Artefacts::of(&mut random, longest);
     let mut values = signal.clone();
-    let mut faults = Vec::new();
-    for _ in 0..count {
-        let room = (frames - length) as f64;
-        let at = (random.uniform() * room) as usize;
-        for frame in 0..length {
-            let part = (frame + 1) as f64 / (length + 1) as f64;
-            let size = match form {
-                "hump" if length > 1 => (0.5 * TAU * part).sin(),
-                "ramp" if length > 1 => (2.0 * part).min(2.0 - 2.0 * part),
-                "decay" if length > 1 => (-2.0 * (part - 1.0 / (length + 1) as f64)).exp(),
-                _ => 1.0,
-            };
-            values[at + frame] += direction * height * size;
-        }
-        faults.push([times[at], times[at + length - 1]]);
-    }
+    let faults = artefacts.lay(&mut random, &mut values);
+    let faults: Vec<[f64; 2]> = faults.iter().map(|at| at.map(|frame| times[frame])).collect();
     let [level, size] = scale(kind);
     let of = |signal: &[f64]| signal.iter().map(|value| level + size * value).collect::<Vec<f64>>();
     let words = format!(
         "{hz:.2} Hz, {rate:.0} /s, {beats} beats of {duration:.0} ms, jitter {jitter}, noise {noise} ({memory}), drift {slope} {wander}; \
-         {count} {form} of {length} frames ({:.2} of a beat), height {:.2}",
-        length as f64 * 1e3 / rate / duration,
-        direction * height
+         {} {} of {} frames ({:.2} of a beat), height {:.2}",
+        artefacts.count,
+        artefacts.form,
+        artefacts.length,
+        artefacts.length as f64 * 1e3 / rate / duration,
+        artefacts.height
     );
     Recording {
         kind,
@@ -234,7 +261,7 @@ fn record(seed: u64) -> Recording {
         duration,
         cycle,
         faults,
-        crowd: count as f64 / beats as f64,
+        crowd: artefacts.count as f64 / beats as f64,
     }
 }
 

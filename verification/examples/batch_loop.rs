@@ -4,7 +4,7 @@
 //! Prints one JSON line: members, threads, seconds without the mesh, and the sum of what they shorten by.
 //!
 //! ```sh
-//! cargo run --release -p myospring --example batch_loop -- 1000 2
+//! cargo run --release -p myospring-verification --example batch_loop -- 1000 2
 //! ```
 #![allow(clippy::print_stdout, reason = "printing is what this program is for")]
 

@@ -3,7 +3,7 @@
 //! size; pictures without stripes; and real pictures, where `MYOSPRING_SHARED_DATA` names their folder. Prints the
 //! tables of docs/reference/accuracy.md.
 //!
-//! `cargo run --release -p myospring --example fibre_robustness [FOLDER]` with a folder writes there what was read
+//! `cargo run --release -p myospring-verification --example fibre_robustness [FOLDER]` with a folder writes there what was read
 //! of each real picture, as CSV.
 #![allow(clippy::print_stdout, reason = "a program")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "an example")]
@@ -100,7 +100,40 @@ fn gauss(x: f64) -> f64 {
     (-0.5 * x * x).exp()
 }
 
+/// A column of myofibrils.
+struct Bundle {
+    /// Across the rod, um.
+    place: f64,
+    /// How it wanders.
+    own: Box<dyn Fn(f64) -> f64>,
+    height: f64,
+    /// Its height along the rod.
+    swell: Box<dyn Fn(f64) -> f64>,
+    /// Of its stripes, and how that drifts along the rod.
+    phase: f64,
+    drift: Box<dyn Fn(f64) -> f64>,
+}
+
 impl Rod {
+    fn bundles(&self, random: &mut Random) -> Vec<Bundle> {
+        let mut bundles = Vec::new();
+        let (mut place, mut phase) = (-0.5 * self.width_um - 2.0, 0.0);
+        while place < 0.5 * self.width_um + 2.0 {
+            phase += self.disorder * random.normal();
+            let height = (0.4 * random.normal()).exp();
+            bundles.push(Bundle {
+                place,
+                own: Box::new(random.wander(6.0)),
+                height,
+                swell: Box::new(random.wander(5.0)),
+                phase,
+                drift: Box::new(random.wander(4.0)),
+            });
+            place += 1.0 + 0.5 * random.uniform();
+        }
+        bundles
+    }
+
     /// The picture of a rod that lies at an angle, degrees counter-clockwise.
     fn scene(&self, angle_deg: f64, seed: u64) -> Scene {
         let mut random =
@@ -115,22 +148,7 @@ impl Rod {
         };
         let [columns, rows] = [side(cos, sin), side(sin, cos)];
         let common = random.wander(10.0);
-        // Columns of myofibrils: place across the rod, own wandering, height along it.
-        let mut bundles = Vec::new();
-        let (mut across, mut phase) = (-0.5 * width - 2.0, 0.0);
-        while across < 0.5 * width + 2.0 {
-            phase += self.disorder * random.normal();
-            let height = (0.4 * random.normal()).exp();
-            bundles.push((
-                across,
-                random.wander(6.0),
-                height,
-                random.wander(5.0),
-                phase,
-                random.wander(4.0),
-            ));
-            across += 1.0 + 0.5 * random.uniform();
-        }
+        let bundles = self.bundles(&mut random);
         let waist = TAU * random.uniform();
         let nuclei: [[f64; 2]; 2] =
             [-1.0, 1.0].map(|x| [x * length / 9.0, 4.0 * random.uniform() - 2.0]);
@@ -151,7 +169,7 @@ impl Rod {
                 let mut grey = 0.05;
                 if inside {
                     let (mut bundle, mut phase, mut weight) = (0.0, 0.0, 1e-9);
-                    for (place, own, height, swell, step, drift) in &bundles {
+                    for Bundle { place, own, height, swell, phase: step, drift } in &bundles {
                         if (v - place).abs() < 3.0 {
                             let off = v - place - 0.25 * own(u) - 0.3 * common(u);
                             bundle += height * (0.35 * swell(u)).exp() * gauss(off / 0.33);

@@ -1,7 +1,7 @@
 //! Times a beat along the path of equilibria against the same beat in time, and compares them: one line
 //! of JSON per mesh.
 //!
-//! `cargo run --release -p myospring --no-default-features --example quasi_static [masses ...]`
+//! `cargo run --release -p myospring-verification --example quasi_static [masses ...]`
 //!
 //! `solve_s` is the path alone, `beat_s` all of a beat with its cell model (the best of three each).
 //! `verlet_s` is the same beat in time with the default material; `verlet_equal_s` one with the slowest

@@ -4,7 +4,7 @@
 //! standard deviation is a part of their height; 40 recordings of 10 s for each row.
 //!
 //! ```sh
-//! cargo run --release -p myospring --example measured_beats
+//! cargo run --release -p myospring-verification --example measured_beats
 //! ```
 
 #![allow(clippy::print_stdout, reason = "it prints tables")]

@@ -1,6 +1,6 @@
 //! How well fits find what a synthetic curve was made with: the table in `docs/reference/accuracy.md`.
 //!
-//! `cargo run --release -p myospring --example fit_recovery -- [CELLS]`: 200 cells for each row unless told otherwise.
+//! `cargo run --release -p myospring-verification --example fit_recovery -- [CELLS]`: 200 cells for each row unless told otherwise.
 
 #![allow(clippy::print_stdout, reason = "a table for people")]
 
@@ -61,6 +61,65 @@ struct Found {
     evaluations: usize,
 }
 
+/// Fits a cell whose factors and delay are given, from its curve with this noise.
+fn found(
+    fitter: &Fitter,
+    settings: &FitSettings,
+    names: &[&str],
+    times_ms: &[f64],
+    [truth, noises]: [&[f64]; 2],
+) -> Option<Found> {
+    let (factors, delay) = (&truth[..names.len()], truth[names.len()]);
+    let factors: Vec<(&str, f64)> = names.iter().copied().zip(factors.iter().copied()).collect();
+    let shifted: Vec<f64> = times_ms.iter().map(|time| time - delay).collect();
+    let mut values = fitter.curve(&factors, LENGTH, &shifted).ok()?;
+    for (value, noise) in values.iter_mut().zip(noises) {
+        *value += noise;
+    }
+    let observed = Observed {
+        name: "synthetic".to_owned(),
+        times_ms: times_ms.to_vec(),
+        values,
+        scale: Scale::Length,
+        unit: "um".to_owned(),
+        stimuli: Stimuli::Given(vec![50.0]),
+    };
+    let fit = fitter.fit(&[observed], settings, &|_| true).ok()??;
+    let usual = |name: &str| match name {
+        "tension_over_stiffness" => fitter.tension_over_stiffness(),
+        name => fitter.simulation().cell.parameters().get(name).unwrap_or(f64::NAN),
+    };
+    let mut truths: Vec<(&str, f64)> =
+        factors.iter().map(|(name, factor)| (*name, factor * usual(name))).collect();
+    truths.push(("delay", delay));
+    truths.push(("resting_length", LENGTH));
+    let number = |(name, truth): &(&str, f64)| {
+        let estimate = fit.estimate(name)?;
+        let relative = if *name == "delay" { 1.0 } else { 100.0 / truth };
+        let [low, high] = estimate.interval;
+        let covered = low.is_none_or(|low| low <= *truth) && high.is_none_or(|high| *truth <= high);
+        let error = truth - estimate.value;
+        let end = if error < 0.0 { low } else { high };
+        // Where the curve sets no end, nothing there is far off.
+        let off = end.map_or(0.0, |end| NORMAL * error / (end - estimate.value).abs());
+        Some(Number {
+            off,
+            deviation: relative * estimate.standard_deviation?,
+            covered,
+            determined: estimate.verdict == Verdict::Determined,
+        })
+    };
+    let numbers = truths.iter().map(number).collect::<Option<Vec<_>>>()?;
+    let curve = &fit.curves[0];
+    let clean = fitter.curve(&factors, LENGTH, &shifted).ok()?;
+    let left = |made: &[f64]| -> f64 {
+        let frames = curve.measured.iter().zip(made).zip(&curve.used);
+        frames.filter(|(_, used)| **used).map(|((a, b), _)| (a - b).powi(2)).sum()
+    };
+    let missed = left(&curve.fitted) > left(&clean);
+    Some(Found { numbers, missed, evaluations: fit.evaluations })
+}
+
 fn row(
     fitter: &Fitter,
     (title, [low, high]): (&str, [f64; 2]),
@@ -91,58 +150,7 @@ fn row(
     let found: Vec<Option<Found>> = (0..cells)
         .into_par_iter()
         .map(|cell| {
-            let truth = design.row(cell)?;
-            let (factors, delay) = (&truth[..names.len()], truth[names.len()]);
-            let factors: Vec<(&str, f64)> =
-                names.iter().copied().zip(factors.iter().copied()).collect();
-            let shifted: Vec<f64> = times_ms.iter().map(|time| time - delay).collect();
-            let mut values = fitter.curve(&factors, LENGTH, &shifted).ok()?;
-            for (value, noise) in values.iter_mut().zip(noises.row(cell)?) {
-                *value += noise;
-            }
-            let observed = Observed {
-                name: "synthetic".to_owned(),
-                times_ms: times_ms.clone(),
-                values,
-                scale: Scale::Length,
-                unit: "um".to_owned(),
-                stimuli: Stimuli::Given(vec![50.0]),
-            };
-            let fit = fitter.fit(&[observed], &settings, &|_| true).ok()??;
-            let usual = |name: &str| match name {
-                "tension_over_stiffness" => fitter.tension_over_stiffness(),
-                name => fitter.simulation().cell.parameters().get(name).unwrap_or(f64::NAN),
-            };
-            let mut truths: Vec<(&str, f64)> =
-                factors.iter().map(|(name, factor)| (*name, factor * usual(name))).collect();
-            truths.push(("delay", delay));
-            truths.push(("resting_length", LENGTH));
-            let number = |(name, truth): &(&str, f64)| {
-                let estimate = fit.estimate(name)?;
-                let relative = if *name == "delay" { 1.0 } else { 100.0 / truth };
-                let [low, high] = estimate.interval;
-                let covered =
-                    low.is_none_or(|low| low <= *truth) && high.is_none_or(|high| *truth <= high);
-                let error = truth - estimate.value;
-                let end = if error < 0.0 { low } else { high };
-                // Where the curve sets no end, nothing there is far off.
-                let off = end.map_or(0.0, |end| NORMAL * error / (end - estimate.value).abs());
-                Some(Number {
-                    off,
-                    deviation: relative * estimate.standard_deviation?,
-                    covered,
-                    determined: estimate.verdict == Verdict::Determined,
-                })
-            };
-            let numbers = truths.iter().map(number).collect::<Option<Vec<_>>>()?;
-            let curve = &fit.curves[0];
-            let clean = fitter.curve(&factors, LENGTH, &shifted).ok()?;
-            let left = |made: &[f64]| -> f64 {
-                let frames = curve.measured.iter().zip(made).zip(&curve.used);
-                frames.filter(|(_, used)| **used).map(|((a, b), _)| (a - b).powi(2)).sum()
-            };
-            let missed = left(&curve.fitted) > left(&clean);
-            Some(Found { numbers, missed, evaluations: fit.evaluations })
+            found(fitter, &settings, &names, &times_ms, [&design.row(cell)?, &noises.row(cell)?])
         })
         .collect();
     let took = begun.elapsed().as_secs_f64() * 1000.0 / cells as f64;

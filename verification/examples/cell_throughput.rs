@@ -6,10 +6,10 @@
 //! `cbps` are cell-beats per second of wall time, `cbps_cpu` per second of this thread's processor time
 //! (Linux), each the median of three runs. `tension_error_percent` and `apd90_error_ms` are the
 //! largest over the first five beats of the published set in the same runs, against the converged
-//! solution of another program (`tests/reference/cell_converged.py`).
+//! solution of another program (`crates/myospring/tests/reference/cell_converged.py`).
 //!
 //! ```sh
-//! cargo run --release -p myospring --example cell_throughput
+//! cargo run --release -p myospring-verification --example cell_throughput
 //! ```
 #![allow(clippy::print_stdout, reason = "printing is what this program is for")]
 
@@ -156,7 +156,7 @@ fn report(
 /// Largest errors of the first five beats: peak tension, per cent, and APD90, ms.
 fn errors(model: &str, beats: &[CellBeat]) -> Result<(f64, f64), Box<dyn Error>> {
     let (mut tension, mut apd) = (0.0_f64, 0.0_f64);
-    let rows = include_str!("../tests/reference/cell_converged.csv");
+    let rows = include_str!("../../crates/myospring/tests/reference/cell_converged.csv");
     let own = format!("{model},{CYCLE_MS},");
     for row in rows.lines().filter_map(|line| line.strip_prefix(&own)) {
         let numbers: Vec<f64> = row.split(',').map(str::parse).collect::<Result<_, _>>()?;

@@ -1,7 +1,7 @@
 //! What segmentation and fibres make of real pictures with defaults, as a table of `docs/reference/accuracy.md`.
 //!
 //! ```text
-//! MYOSPRING_SHARED_DATA=folder cargo run --release -p myospring --example real_pictures
+//! MYOSPRING_SHARED_DATA=folder cargo run --release -p myospring-verification --example real_pictures
 //! ```
 //!
 //! The folder has `images/`, with the pictures and masks that the table names; where they are from stands in
