@@ -117,18 +117,6 @@ impl Default for Numerics {
 /// 0.998 of it at 12 % shortening and at 0.98 of it at 34 %.
 pub const SAFETY: f64 = 0.95;
 
-/// Which peak of the cell model's tension is scaled to the peak tension in kPa.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TensionScale {
-    /// That of the model's published parameters ([`TensionKind::Relative`](crate::cell::TensionKind::Relative)): a changed parameter
-    /// changes the strength of the cell.
-    Published,
-    /// That of the model with its own parameters, from a reference beat: every cell has the same
-    /// peak tension, whatever its parameters.
-    OwnPeak,
-}
-
 /// Which stretch acts on a cell model that depends on stretch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -168,14 +156,13 @@ pub struct Simulation {
     pub protocol: Protocol,
     /// State in which the cell model starts, in the order of its states; `None` is its initial state.
     pub start_state: Option<Vec<f64>>,
-    /// Peak of the active tension, kPa, of one default beat of the cell model that `tension_scale` names.
+    /// Peak of the active tension, kPa, of one default beat of the cell model with its published parameters
+    /// ([`TensionKind::Relative`](crate::cell::TensionKind::Relative)): changed parameters change the strength of the cell.
     pub peak_tension: f64,
-    /// Whose peak is scaled to it.
-    pub tension_scale: TensionScale,
     /// Which stretch acts on a cell model that depends on stretch.
     pub stretch_felt: StretchFelt,
-    /// Source of the tension instead of the cell model, in its state at 0 ms; cell model, protocol,
-    /// peak tension and its scaling are then not used.
+    /// Source of the tension instead of the cell model, in its state at 0 ms; cell model, protocol
+    /// and peak tension are then not used.
     pub activation: Option<Box<dyn Activation>>,
     /// The mesh at rest.
     pub mesh: Mesh,
@@ -229,7 +216,6 @@ impl Simulation {
             cell: Arc::new(cell),
             start_state: None,
             peak_tension: 50.0,
-            tension_scale: TensionScale::Published,
             stretch_felt: StretchFelt::Cell,
             activation: None,
             long_axis,

@@ -178,7 +178,8 @@ fn replaced_results_are_of_one_command() {
 }
 
 #[test]
-fn a_weaker_cell_shortens_less_unless_it_is_scaled_by_its_own_peak() {
+fn a_weaker_cell_shortens_less_and_a_strong_one_is_said_with_the_peak_tension_that_makes_it_usual()
+{
     let folder = tempfile::tempdir().unwrap();
     let text = "[cell.parameters]\nx_3 = 0.0\nc_0 = \"0.012 1/ms\"\n";
     fs::write(folder.path().join("weak.toml"), text).unwrap();
@@ -197,18 +198,15 @@ fn a_weaker_cell_shortens_less_unless_it_is_scaled_by_its_own_peak() {
     };
     let weak = peak(&["weak"]);
     assert!(weak[0] < 49.0 && weak[1] < 11.8, "{weak:?}");
-    let scaled = peak(&["scaled", "--tension-scale", "own-peak"]);
+    let wanted = format!("{} kPa", 50.0 * 50.0 / weak[0]);
+    let scaled = peak(&["scaled", "--peak-tension", &wanted]);
     assert!((scaled[0] - 50.0).abs() < 0.01 && (scaled[1] - 12.0).abs() < 0.1, "{scaled:?}");
-    let again = fs::read_to_string(folder.path().join("scaled/run.toml")).unwrap();
-    assert!(again.contains("tension_scale = \"own-peak\""), "{again}");
 
     // A small change of the calcium current takes the tension to five times as much; that is said.
     fs::write(folder.path().join("strong.toml"), "[cell.parameters]\ntau_si = 1.4\n").unwrap();
     let strong = ["run", "strong.toml", "--integrator", "quasi-static", "--dry-run"];
     let said = stderr(&myospring(folder.path(), &strong));
-    assert!(said.contains("times as strong") && said.contains("own-peak"), "{said}");
-    let scaled = [&strong[..], &["--tension-scale", "own-peak"]].concat();
-    assert_eq!(stderr(&myospring(folder.path(), &scaled)), "");
+    assert!(said.contains("times as strong") && said.contains("peak_tension = \""), "{said}");
 }
 
 #[test]

@@ -90,8 +90,9 @@ impl Ready {
         if !ORDINARY.contains(&strength) {
             warnings.push(format!(
                 "the cell model's parameters make a default beat {strength:.3} times as strong as the \
-                 published ones do: about {:.4} kPa; tension_scale = \"own-peak\" scales it to {} kPa",
+                 published ones do: about {:.4} kPa; peak_tension = \"{:.4} kPa\" makes it {} kPa strong",
                 strength * simulation.peak_tension,
+                simulation.peak_tension / strength,
                 simulation.peak_tension
             ));
         }

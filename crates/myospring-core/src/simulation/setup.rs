@@ -1,7 +1,7 @@
 //! The common start of every run: assembled forces, an activation in its first state, a meter.
 
 use super::check::check_strongest;
-use super::{SetupError, Simulation, TensionScale};
+use super::{SetupError, Simulation};
 use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, SolveError};
@@ -189,10 +189,6 @@ impl Simulation {
             TensionKind::Kilopascal => Strength { scale: 1.0, strongest: own()?, relative: 1.0 },
             TensionKind::None => {
                 return Err(SolveError::NoTension { model: self.cell.name().to_owned() });
-            }
-            TensionKind::Relative { .. } if self.tension_scale == TensionScale::OwnPeak => {
-                let peak = solve::reference_beat(&*self.cell, self.numerics.cell)?.peak_tension;
-                scaled(peak, peak)
             }
             TensionKind::Relative { published_peak } if cell::is_as_published(&*self.cell) => {
                 scaled(published_peak, published_peak)

@@ -24,7 +24,6 @@ class BeatSettings(TypedDict, total=False):
     cell_calcium_dissociation_micromolar: float | None
     cell_ratio_min: float | None
     cell_ratio_max: float | None
-    tension_scale: Literal["published", "own-peak"]
     cell_stretch_felt: Literal["cell", "triangle"]
     authors_step: bool
     cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] | None
@@ -81,7 +80,6 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "cell_calcium_dissociation_micromolar": ("cell.calcium_dissociation", None),
     "cell_ratio_min": ("cell.ratio_min", None),
     "cell_ratio_max": ("cell.ratio_max", None),
-    "tension_scale": ("cell.tension_scale", "published"),
     "cell_stretch_felt": ("cell.stretch_felt", "cell"),
     "authors_step": ("cell.authors_step", False),
     "cell_integrator": ("cell.integrator", None),
@@ -142,7 +140,6 @@ def simulate(
     cell_calcium_dissociation_micromolar: float | None = None,
     cell_ratio_min: float | None = None,
     cell_ratio_max: float | None = None,
-    tension_scale: Literal["published", "own-peak"] = "published",
     cell_stretch_felt: Literal["cell", "triangle"] = "cell",
     authors_step: bool = False,
     cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] | None = None,
@@ -220,9 +217,6 @@ def simulate(
         The ratio without calcium, R_min. 0 to 1000000.
     cell_ratio_max : float or None
         The ratio with the dye saturated with calcium, R_max. Above 0, at most 1000000.
-    tension_scale : {"published", "own-peak"}, default "published"
-        Which peak is scaled to `peak_tension_kpa`: that of the published parameters, or the model's
-        own, whatever its parameters.
     cell_stretch_felt : {"cell", "triangle"}, default "cell"
         Which stretch acts on a model that depends on stretch, such as land_2017.
     authors_step : bool, default False
@@ -393,7 +387,6 @@ def simulate(
         ("cell.calcium_dissociation", cell_calcium_dissociation_micromolar, None),
         ("cell.ratio_min", cell_ratio_min, None),
         ("cell.ratio_max", cell_ratio_max, None),
-        ("cell.tension_scale", tension_scale, "published"),
         ("cell.stretch_felt", cell_stretch_felt, "cell"),
         ("cell.authors_step", authors_step, False),
         ("cell.integrator", cell_integrator, None),

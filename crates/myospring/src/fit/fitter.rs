@@ -18,7 +18,7 @@ use crate::interruption::Interruption;
 use crate::mechanics::material::Stiffness;
 use crate::mechanics::support::SupportKind;
 use crate::settings::Run;
-use crate::simulation::{Simulation, TensionScale, Train};
+use crate::simulation::{Simulation, Train};
 use crate::study::sampling::Sampler;
 use rayon::prelude::*;
 use std::io;
@@ -81,12 +81,6 @@ impl Fitter {
     /// # Errors
     /// A simulation that cannot be fitted.
     pub fn new(simulation: Simulation) -> Result<Self, FitError> {
-        if simulation.tension_scale == TensionScale::OwnPeak {
-            return Err(FitError::Setting {
-                what: "tension_scale = \"own-peak\"",
-                why: "it makes the peak the same for all parameters; leave it out",
-            });
-        }
         match simulation.cell.tension_kind() {
             TensionKind::None => {
                 return Err(FitError::Setting {

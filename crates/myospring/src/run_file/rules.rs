@@ -131,7 +131,7 @@ fn alternatives(file: &RunFile) -> Checked {
 }
 
 /// Keys that apply only to models whose tension is scaled.
-const OF_RELATIVE_TENSION: [&str; 2] = ["cell.peak_tension", "cell.tension_scale"];
+const OF_RELATIVE_TENSION: [&str; 1] = ["cell.peak_tension"];
 /// Keys that apply only to models with a membrane, which a stimulus can change.
 const OF_MEMBRANE: [&str; 3] = ["stimulus.kind", "stimulus.amplitude", "stimulus.duration"];
 

@@ -22,7 +22,7 @@ use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::fibres::FibreError;
 use crate::microscopy::outlines::trace::{Edge, trace_mask};
 use crate::microscopy::segment::Modality;
-use crate::simulation::{Numerics, Simulation, StretchFelt, TensionScale};
+use crate::simulation::{Numerics, Simulation, StretchFelt};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -52,8 +52,6 @@ pub struct Run {
     pub steady_state_cache: String,
     /// Peak of the active tension, kPa; ignored for a model whose tension is in kPa.
     pub peak_tension: f64,
-    /// Which peak is scaled to it.
-    pub tension_scale: TensionScale,
     /// Stimuli.
     pub protocol: Protocol,
     /// The cell's shape.
@@ -152,7 +150,6 @@ impl Run {
             steady_state: None,
             steady_state_cache: String::new(),
             peak_tension: PEAK_TENSION,
-            tension_scale: TensionScale::Published,
             protocol,
             shape: Shape {
                 source: Source::BuiltIn(&built_in::CELLS[0]),
@@ -348,7 +345,6 @@ impl Run {
             start_state: None,
             protocol: self.protocol,
             peak_tension: self.peak_tension,
-            tension_scale: self.tension_scale,
             long_axis,
             fibres,
             mesh,

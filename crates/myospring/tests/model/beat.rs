@@ -20,7 +20,7 @@ use myospring::mesh::ends::{end_points, end_zones};
 use myospring::mesh::{Mesh, built_in, lattice, quality};
 use myospring::parameter::ParameterSet;
 use myospring::recording::Sample;
-use myospring::simulation::{Numerics, Outcome, SetupError, Simulation, StopReason, TensionScale};
+use myospring::simulation::{Numerics, Outcome, SetupError, Simulation, StopReason};
 use std::sync::Arc;
 
 fn built_in_cell(angle: f64, spacing: Option<f64>) -> Mesh {
@@ -337,14 +337,14 @@ fn every_model_of_the_list_can_drive_the_mesh() {
 }
 
 /// `coelho_2021` with another `tau_si` (ms), along its equilibria.
-fn with_tau_si(tau_si: f64, tension_scale: TensionScale) -> Simulation {
+fn with_tau_si(tau_si: f64) -> Simulation {
     let published = cell::model("coelho_2021").unwrap();
     let mut parameters = published.parameters().clone();
     parameters.set("tau_si", tau_si).unwrap();
     let simulation = Simulation::new(built_in_cell(0.0, Some(5.0)));
     let numerics = Numerics { method: Method::QuasiStatic, ..simulation.numerics.clone() };
     let cell = published.with_parameters(parameters).unwrap();
-    Simulation { cell, tension_scale, numerics, ..simulation }
+    Simulation { cell, numerics, ..simulation }
 }
 
 /// Peak of the dimensionless tension of the published `coelho_2021`.
@@ -356,7 +356,7 @@ fn coelho_2021_peak() -> f64 {
 fn a_changed_parameter_changes_the_strength_of_the_cell() {
     let published = coelho_2021_peak();
     let beats = [1.4, 1.76816, 2.4].map(|tau_si| {
-        let simulation = with_tau_si(tau_si, TensionScale::Published);
+        let simulation = with_tau_si(tau_si);
         let own = solve::reference_beat(&*simulation.cell, simulation.numerics.cell).unwrap();
         let finished = simulation.build().unwrap().run(|_| true);
         assert_eq!(finished.stop, None);
@@ -376,18 +376,8 @@ fn a_changed_parameter_changes_the_strength_of_the_cell() {
 }
 
 #[test]
-fn scaled_by_their_own_peak_all_cells_are_equally_strong() {
-    for tau_si in [1.4, 1.76816, 2.4] {
-        let simulation = with_tau_si(tau_si, TensionScale::OwnPeak);
-        let samples = simulation.build().unwrap().run(|_| true).recording.samples;
-        let largest = samples.iter().map(|s| s.ta_kpa).fold(0.0, f64::max);
-        assert!((largest - 50.0).abs() < 0.005, "{tau_si} ms: {largest} kPa");
-    }
-}
-
-#[test]
 fn the_time_step_of_a_strong_cell_is_stable_at_its_own_peak() {
-    let strong = with_tau_si(1.0, TensionScale::Published);
+    let strong = with_tau_si(1.0);
     let own = solve::reference_beat(&*strong.cell, strong.numerics.cell).unwrap();
     let ratio = own.peak_tension / coelho_2021_peak();
     let stated =

@@ -10,17 +10,8 @@ use super::super::words::{Word, Worded, choose, worded};
 use crate::cell::coelho_2021;
 use crate::cell::solve::{CellMethod, SolverSettings};
 use crate::mechanics::material::myofilament_material;
-use crate::simulation::{StretchFelt, TensionScale};
+use crate::simulation::StretchFelt;
 use crate::units::{self, Dimension};
-
-worded! { TensionScale {
-    TensionScale::Published = "published":
-        "That of the model's published parameters: a changed parameter changes the strength of \
-         the cell.",
-    TensionScale::OwnPeak = "own-peak":
-        "That of the model with its present parameters, from its own reference beat: every cell has the same \
-         peak tension, whatever its parameters.",
-} }
 
 worded! { StretchFelt {
     StretchFelt::Cell = "cell": "That of the whole cell: its length over its resting length.",
@@ -107,23 +98,6 @@ pub(super) const ROWS: &[Setting] = &[
         |run, tension| run.peak_tension = tension,
     )
     .option_saying("--peak-tension", "TENSION", "Peak of the active tension"),
-    Setting::new(
-        "cell.tension_scale",
-        "Which peak is scaled to `peak_tension`: that of the published parameters, or the \
-         model's own, whatever its parameters.",
-        ValueKind::Words {
-            words: TensionScale::WORDS,
-            get: |run| run.has_relative_tension().then(|| run.tension_scale.word()),
-            set: |run, word| choose(&mut run.tension_scale, word),
-        },
-    )
-    .option_saying(
-        "--tension-scale",
-        "NAME",
-        "Which peak is scaled to that: published (of the model's published parameters; changed \
-         ones make the cell stronger or weaker) or own-peak (the model's own, whatever its \
-         parameters)",
-    ),
     Setting::new(
         "cell.stretch_felt",
         "Which stretch acts on a model that depends on stretch, such as land_2017.",

@@ -18,7 +18,7 @@ use crate::output::files::FileError;
 use crate::recording::Sample;
 use crate::run_file::RunFile;
 use crate::settings::{Places, Run, ShapeBytes, Shaped};
-use crate::simulation::{Outcome, Ready, SharedPath, Simulation, StopReason, TensionScale};
+use crate::simulation::{Outcome, Ready, SharedPath, Simulation, StopReason};
 use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
@@ -284,9 +284,6 @@ impl Common {
 
     fn check_cells(&self, run: &Run) -> Result<(), ParameterStudyError> {
         let no = |what: &str| Err(ParameterStudyError::NoCell { what: what.to_owned() });
-        if run.tension_scale == TensionScale::OwnPeak {
-            return no("tension_scale = \"own-peak\" needs a reference beat of each");
-        }
         if run.steady_state.is_some() {
             return no("it starts from the model's initial state, not from steady_state");
         }
