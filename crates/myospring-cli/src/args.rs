@@ -1,13 +1,14 @@
 //! The command line: names, help, examples.
 
 mod measured;
+mod output;
 
 pub(crate) use measured::{AnalyseArgs, FitArgs, StimulusArgs, TableArgs};
+pub(crate) use output::{OUTPUT, OutputArgs};
 
 use crate::look::Look;
 use crate::options::{Beat, Seen, Settings};
 use crate::outputs;
-use crate::track;
 use clap::builder::styling::AnsiColor;
 use clap::builder::{PossibleValue, PossibleValuesParser, Styles};
 use clap::{Args, Parser, Subcommand};
@@ -26,7 +27,6 @@ const STYLES: Styles = Styles::styled()
 const CELL: &str = "Cell model and stimulus";
 const NUMERICS: &str = "Numerics";
 const FILM: &str = "Film";
-pub(crate) const OUTPUT: &str = "Output";
 
 /// From a microscope picture of a heart cell to its beat.
 #[derive(Debug, Parser)]
@@ -94,23 +94,6 @@ pub(crate) enum Command {
     Completions(CompletionsArgs),
     /// Write the manual pages
     Manual(ManualArgs),
-}
-
-/// Where results are written and what is printed.
-#[derive(Debug, Args)]
-pub(crate) struct OutputArgs {
-    /// Folder for the results [default: results/NAME]
-    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
-    pub(crate) output: Option<PathBuf>,
-    /// Replace existing results
-    #[arg(long, help_heading = OUTPUT)]
-    pub(crate) force: bool,
-    /// Print results as JSON
-    #[arg(long, help_heading = OUTPUT)]
-    pub(crate) json: bool,
-    /// No progress bar and no notes
-    #[arg(short, long, help_heading = OUTPUT)]
-    pub(crate) quiet: bool,
 }
 
 /// `myospring run`.
@@ -303,8 +286,8 @@ pub(crate) struct TrackArgs {
     #[arg(long, value_name = "N", help_heading = NUMERICS)]
     pub(crate) threads: Option<NonZeroUsize>,
     /// What to write in addition to the curve, separated by commas
-    #[arg(long, value_name = "WORDS", value_delimiter = ',', value_parser = track::words(),
-          default_value = track::DEFAULT, help_heading = OUTPUT)]
+    #[arg(long, value_name = "WORDS", value_delimiter = ',', value_parser = outputs::of_track(),
+          default_value = outputs::OF_TRACK, help_heading = OUTPUT)]
     pub(crate) outputs: Vec<String>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,

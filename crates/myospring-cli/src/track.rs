@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::files::FILES;
 use crate::terminal::Terminal;
 use crate::{input, print};
-use clap::builder::{PossibleValue, PossibleValuesParser};
+use myospring::experiment::run::NONE;
 use myospring::experiment::track::{HeadlineReport, Output, Track, TrackReport};
 use myospring::experiment::{Experiment, Folder, Outcome};
 use myospring::microscopy::motion::TrackingSettings;
@@ -15,18 +15,6 @@ use myospring::output::json;
 use myospring::units::{self, Dimension};
 use std::num::NonZeroUsize;
 use std::path::Path;
-
-/// The default outputs.
-pub(crate) const DEFAULT: &str = "figures,gif,frames";
-/// The word for no output in addition to the curve.
-const NONE: &str = "none";
-
-/// What `--outputs` takes.
-pub(crate) fn words() -> PossibleValuesParser {
-    let word = |output: Output| PossibleValue::new(output.word()).help(output.about());
-    let none = PossibleValue::new(NONE).help("the curve and its numbers only");
-    Output::ALL.map(word).into_iter().chain([none]).collect::<Vec<_>>().into()
-}
 
 pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
     input::one_cell(args.settings.all_cells())?;
