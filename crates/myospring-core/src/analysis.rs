@@ -15,6 +15,7 @@ pub mod holes;
 pub mod kind;
 pub mod load;
 mod missing;
+pub mod monotone;
 pub mod order;
 pub mod pulse;
 pub mod rest;

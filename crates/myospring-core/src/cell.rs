@@ -34,6 +34,7 @@ pub mod coelho_2021;
 mod description;
 mod exponential;
 mod fixed;
+pub mod given_tension;
 pub mod integrator;
 pub mod land_2017;
 pub mod minimal;
@@ -42,6 +43,7 @@ mod pacer;
 pub mod pacing;
 mod population;
 mod reference;
+mod samples;
 mod settings;
 pub mod solve;
 pub mod steady;
@@ -101,6 +103,7 @@ pub fn models() -> Vec<Arc<dyn CellModel>> {
         Arc::new(TomekModel::published(Layer::Endo, Variant::MovingChloride)),
         Arc::new(TomekModel::published(Layer::Epi, Variant::MovingChloride)),
         Arc::new(TomekModel::published(Layer::Mid, Variant::MovingChloride)),
+        Arc::new(given_tension::GivenTension::example()),
         Arc::new(toy::ToyModel::published()),
     ]
 }

@@ -65,7 +65,7 @@ pub use cell::DrawnCell;
 pub use compared::{ComparedRun, Rings, compared};
 pub(crate) use facets::{check_frame, check_mesh};
 pub use film::{BeatFilm, FRAMES_PER_SECOND, Still};
-pub use fit::{DrawnFit, LikelihoodProfile, fit};
+pub use fit::{DrawnFit, DrawnTension, LikelihoodProfile, fit, tension};
 pub use lattice::mesh;
 pub use maps::{Map, maps, no_map};
 pub use measured::{Measured, measured};

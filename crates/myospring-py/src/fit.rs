@@ -5,7 +5,7 @@ use crate::experiment::{self, Progress};
 use crate::tension_map::TensionMap;
 use crate::waiting::interruptible;
 use crate::{beat, errors, settings, words};
-use myospring::experiment::fit::{FitCell, Fits, FittableCell, Shapes, between_springs, of_table};
+use myospring::experiment::fit::{FitCell, Fits, FittableCell, Shapes, between_springs, of_table, seeks_tension};
 use myospring::experiment::{BeatOptions, ExperimentError, Files};
 use myospring::fit::{Fit, FitOptions};
 use myospring::measured::{self, Column, Curve, Kind, ReadError, TableOptions};
@@ -144,7 +144,9 @@ impl Fitter {
         loaded: Vec<(f64, Measured)>,
     ) -> PyResult<Self> {
         let mut file = cell.0.file.clone();
-        settings::put(&mut file, given)?;
+        let mut settings = settings::list(given)?;
+        let seeks_tension = seeks_tension(&mut settings);
+        settings::put_all(py, &mut file, settings)?;
         let (run, made) = beat::make(py, &cell.0, &file)?;
         let failed = |error: ExperimentError| errors::of_experiment(&error);
         let beats = asked.beats();
@@ -152,7 +154,7 @@ impl Fitter {
             between_springs(stiffness, &self::curve(curve)?, &beats).map_err(failed)
         };
         let loaded = loaded.into_iter().map(between).collect::<PyResult<_>>()?;
-        let cell = FittableCell::new(run, made, &asked.sought(), beats.clone(), loaded);
+        let cell = FittableCell::new(run, made, seeks_tension, &asked.sought(), (beats.clone(), loaded));
         Ok(Self { cell: cell.map_err(failed)?, stop: Arc::default() })
     }
 

@@ -46,8 +46,17 @@ pub(crate) fn list(given: &Bound<'_, PyDict>) -> PyResult<Vec<(&'static Setting,
 /// # Errors
 /// Those of [`list`], and a value that is not possible.
 pub(crate) fn put(file: &mut RunFile, given: &Bound<'_, PyDict>) -> PyResult<()> {
-    for (setting, value) in list(given)? {
-        file.set(setting.key, value).map_err(|error| errors::of_settings(given.py(), &error))?;
+    put_all(given.py(), file, list(given)?)
+}
+
+/// Writes settings into a run file.
+pub(crate) fn put_all(
+    py: Python<'_>,
+    file: &mut RunFile,
+    settings: Vec<(&'static Setting, Value)>,
+) -> PyResult<()> {
+    for (setting, value) in settings {
+        file.set(setting.key, value).map_err(|error| errors::of_settings(py, &error))?;
     }
     Ok(())
 }

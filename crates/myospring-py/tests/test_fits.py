@@ -196,3 +196,15 @@ def test_dask_gives_the_same_bits(serial, small, table):
     with cluster, distributed.Client(cluster) as client:
         executor = client.get_executor(pure=False)
         assert equal(serial, myospring.fit_many(table, small, executor, starts=2, progress=False))
+
+
+def test_the_tension_that_a_curve_asks_for_is_found_and_repeats_it() -> None:
+    cell = myospring.Cell.builtin(spacing_um=5)
+    beat = myospring.simulate(cell, peak_tension_kpa=40, integrator="quasi-static")
+    found = myospring.fit((beat.t_ms, beat.length_um), cell, stimulus_times_ms=[50.0], model="given_tension")
+    own = found.own_tension
+    assert own is not None and own.band_kpa.shape == (2, len(own.t_ms))
+    # Frames every ms or denser of a curve without noise.
+    assert abs(own.tension_kpa.max() - beat.ta_kpa.max()) < 4e-3
+    again = found.simulate()
+    assert abs(again.metrics["peak_shortening"] - beat.metrics["peak_shortening"]) < 0.01

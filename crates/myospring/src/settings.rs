@@ -34,6 +34,7 @@ mod sarcomeres;
 mod setting;
 mod shape;
 mod steady;
+mod tension;
 mod value;
 mod words;
 
@@ -46,13 +47,14 @@ pub use number::{NumberError, NumericSetting};
 pub use places::{FromPlaces, PlacesError};
 pub use problem::{Failure, Problem};
 pub use rows::Table;
-pub use run::{MakeError, MeshedRun, Places, Run};
+pub use run::{DrivenError, MakeError, MeshedRun, Places, Run};
 pub use sarcomeres::{SARCOMERE_ENDINGS, SarcomereError};
 pub use setting::{CommandOption, Get, Named, Set, Setting, ValueKind};
 pub use shape::{
     OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source,
 };
 pub use steady::CacheError;
+pub use tension::{TENSION_ENDINGS, TensionError};
 pub use value::Value;
 pub use words::Word;
 

@@ -101,6 +101,8 @@ fn every_commented_key_of_the_template_is_valid_where_it_stands() {
         "calcium_dissociation",
         "ratio_min",
         "ratio_max",
+        "tension",
+        "tension_clock",
         "tolerance",
         "spring_stiffness",
         "picture",

@@ -55,6 +55,7 @@ pub(super) use lanes::Lanes;
 
 use super::beat::CellBeat;
 use super::cell_model::{Adaptive, AdaptiveSteps, CellModel as _};
+use super::description::Input;
 use super::minimal::{MinimalModel, STATES};
 use super::pacing::{Protocol, same_instant};
 use super::reference::{REFERENCE_BEAT_MS, ReferenceBeat};
@@ -274,7 +275,7 @@ pub fn solve(
     let mut cell = AdaptiveIntegrator::until(model, protocol, settings, duration_ms)?;
     CellTrace::sample(model, duration_ms, sample_interval_ms, |time_ms| {
         cell.advance_to(time_ms)?;
-        Ok(Instant { state: cell.state.to_vec(), outputs: Vec::new() })
+        Ok(Instant { state: cell.state.to_vec(), input: Input::REST, outputs: Vec::new() })
     })
 }
 

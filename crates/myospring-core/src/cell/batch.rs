@@ -137,7 +137,7 @@ fn alone(
         if let Err(error) = steps.advance_to(&**model, time_ms, 1.0, 0.0) {
             return Some(Err(error));
         }
-        let input = Input { since_stimulus_ms: protocol.since_stimulus(time_ms), ..Input::REST };
+        let input = Input { stretch: 1.0, stretch_rate: 0.0, ..steps.input() };
         times.push(time_ms);
         samples.push(CellSample::of(&**model, steps.state(), &input));
     }

@@ -9,7 +9,8 @@
 
 mod trace;
 
-pub use trace::{CalciumTrace, TraceError};
+pub use super::samples::TraceError;
+pub use trace::CalciumTrace;
 
 use super::description::{ModelError, required};
 use crate::parameter::{Parameter, ParameterSet};

@@ -10,6 +10,7 @@ use super::calcium::{Calcium, CalciumTrace};
 use super::description::{
     Gate, Input, KnownDeparture, ModelError, Output, StateVariable, Stimulation, TensionKind,
 };
+use super::given_tension::GivenTension;
 use super::land_2017::Myofilaments;
 use super::pacing::{Protocol, Stimulus};
 use super::settings::{CellMethod, SolveError, SolverSettings, validate_time};
@@ -114,6 +115,10 @@ pub trait CellModel: Any + Send + Sync {
     /// The same model with a measured course of calcium; `None` by default, for models that compute
     /// calcium.
     fn with_calcium(&self, _course: &CalciumTrace) -> Option<Arc<dyn CellModel>> {
+        None
+    }
+    /// Its prescribed tension; `None` by default, for models that compute it.
+    fn given_tension(&self) -> Option<&GivenTension> {
         None
     }
     /// The myofilaments of `land_2017` among its states; `None` by default.

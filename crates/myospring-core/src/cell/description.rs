@@ -17,12 +17,20 @@ pub struct Input {
     /// Time since the last stimulus began, ms; infinite before the first. Used for prescribed
     /// courses over each beat, such as calcium; other equations must not depend on it.
     pub since_stimulus_ms: f64,
+    /// Time since the start of the run, ms. Used for prescribed courses over a whole recording;
+    /// other equations must not depend on it.
+    pub time_ms: f64,
 }
 
 impl Input {
     /// No stimulus, now or before, on a cell of resting length.
-    pub const REST: Self =
-        Self { stimulus: 0.0, stretch: 1.0, stretch_rate: 0.0, since_stimulus_ms: f64::INFINITY };
+    pub const REST: Self = Self {
+        stimulus: 0.0,
+        stretch: 1.0,
+        stretch_rate: 0.0,
+        since_stimulus_ms: f64::INFINITY,
+        time_ms: 0.0,
+    };
 }
 
 /// One variable of the state vector.

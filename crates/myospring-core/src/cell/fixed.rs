@@ -111,6 +111,7 @@ impl FixedSteps {
         let input = Input {
             stimulus: self.pacer.current(),
             since_stimulus_ms: self.pacer.since_stimulus(self.time_ms),
+            time_ms: self.time_ms,
             ..*input
         };
         self.work.step(self.scheme, model, &mut self.state, &input, step_ms);
@@ -216,7 +217,12 @@ impl Work {
                 *trial = state + h * k;
             }
         };
-        let later = |by: f64| Input { since_stimulus_ms: input.since_stimulus_ms + by, ..*input };
+        let Input { since_stimulus_ms, time_ms, .. } = *input;
+        let later = |by: f64| Input {
+            since_stimulus_ms: since_stimulus_ms + by,
+            time_ms: time_ms + by,
+            ..*input
+        };
         model.derivatives(state, input, k1);
         shift(trial, state, k1, h / 2.0);
         model.derivatives(trial, &later(h / 2.0), k2);

@@ -90,6 +90,11 @@ impl CellIntegrator {
         self.steps.outputs(&*self.model)
     }
 
+    /// The input at that time, with the last stretch.
+    pub(crate) fn input(&self) -> Input {
+        self.steps.input()
+    }
+
     /// Free calcium in the cytosol at that time, uM, if the model has it.
     pub fn calcium_um(&self) -> Option<f64> {
         self.model.calcium_um(self.state(), &self.steps.input())
@@ -249,11 +254,12 @@ impl Steps {
     }
 
     /// The input of the cell at the time reached.
-    fn input(&self) -> Input {
+    pub(super) fn input(&self) -> Input {
         let time_ms = self.time();
         Input {
             stimulus: self.protocol.current_at(time_ms),
             since_stimulus_ms: self.protocol.since_stimulus(time_ms),
+            time_ms,
             ..self.input
         }
     }

@@ -66,7 +66,8 @@ pub fn solve_while(
             return Err(Interrupted.into());
         }
         steps.advance_to(model, time_ms, 1.0, 0.0)?;
-        Ok(Instant { state: steps.state().to_vec(), outputs: steps.outputs(model) })
+        let (state, input) = (steps.state().to_vec(), steps.input());
+        Ok(Instant { state, input, outputs: steps.outputs(model) })
     })
 }
 

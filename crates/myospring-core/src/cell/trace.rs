@@ -29,6 +29,7 @@ pub struct CellTrace {
 /// A cell at one time.
 pub(super) struct Instant {
     pub(super) state: Vec<f64>,
+    pub(super) input: Input,
     pub(super) outputs: Vec<f64>,
 }
 
@@ -58,10 +59,10 @@ impl CellTrace {
         let samples = (duration_ms / sample_interval_ms * (1.0 + 1e-12)).floor() as u64;
         for sample in 0..=samples {
             let time_ms = sample as f64 * sample_interval_ms;
-            let Instant { state, outputs } = at(time_ms)?;
+            let Instant { state, input, outputs } = at(time_ms)?;
             trace.time_ms.push(time_ms);
             trace.potential.extend(model.potential(&state));
-            trace.tension.push(model.tension(&state, &Input::REST));
+            trace.tension.push(model.tension(&state, &input));
             if let Some(column) = &mut trace.membrane_potential_mv {
                 column.extend(model.membrane_potential_mv(&state));
             }

@@ -93,7 +93,7 @@ impl ByTriangle {
             protocols.iter().map(|protocol| one(*protocol)).collect::<Result<_, _>>()?;
         let count = kept.len();
         let tension =
-            kept.iter().map(|cell| scale * model.tension(cell.state(), &Input::REST)).collect();
+            kept.iter().map(|cell| scale * model.tension(cell.state(), &cell.input())).collect();
         let first = protocols.iter().min_by(|a, b| a.start_ms.total_cmp(&b.start_ms));
         let stimulus_times_ms = first.map_or_else(Vec::new, |it| it.stimulus_times().collect());
         let s2_ms = first.and_then(Protocol::s2_ms);
@@ -146,7 +146,7 @@ fn reach(
 ) -> Result<f64, SolveError> {
     let over = to_ms - cell.time();
     cell.advance_to(to_ms, middle(stretch, rate, over), rate)?;
-    Ok(cell.model().tension(cell.state(), &Input { stretch, stretch_rate: rate, ..Input::REST }))
+    Ok(cell.model().tension(cell.state(), &Input { stretch, stretch_rate: rate, ..cell.input() }))
 }
 
 /// Returns the bounds of one default beat at a stretch.

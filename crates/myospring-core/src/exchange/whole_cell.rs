@@ -140,7 +140,9 @@ impl Activation for WholeCell {
     }
 
     fn tension(&self) -> Tension<'_> {
-        let tension = self.moved.model().tension(&self.state(), &self.input);
+        let Input { stretch, stretch_rate, .. } = self.input;
+        let input = Input { stretch, stretch_rate, ..self.moved.input() };
+        let tension = self.moved.model().tension(&self.state(), &input);
         Tension::Uniform(self.scale * tension)
     }
 

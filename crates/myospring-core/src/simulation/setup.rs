@@ -3,6 +3,7 @@
 use super::check::check_strongest;
 use super::{SetupError, Simulation};
 use crate::analysis::shape::{self, ShapeMeter};
+use crate::cell::given_tension::GivenTension;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, SolveError};
 use crate::cell::{self, TensionKind};
@@ -186,7 +187,11 @@ impl Simulation {
             relative: highest / peak,
         };
         Ok(match self.cell.tension_kind() {
-            TensionKind::Kilopascal => Strength { scale: 1.0, strongest: own()?, relative: 1.0 },
+            TensionKind::Kilopascal => {
+                let given = self.cell.given_tension().map(GivenTension::peak);
+                let strongest = given.map_or_else(own, Ok)?;
+                Strength { scale: 1.0, strongest, relative: 1.0 }
+            }
             TensionKind::None => {
                 return Err(SolveError::NoTension { model: self.cell.name().to_owned() });
             }

@@ -115,7 +115,6 @@ fn check_parameters(model: &dyn CellModel) {
 /// meaning.
 fn check_states(model: &dyn CellModel) {
     let name = model.name();
-    assert!(!model.states().is_empty(), "{name}: no state variables");
     let states = model.states().iter().map(|state| (&state.name, &state.unit, &state.meaning));
     let outputs =
         model.outputs().iter().map(|output| (&output.name, &output.unit, &output.meaning));

@@ -4,7 +4,7 @@
 use super::chart::{Axis, Chart, Curve, align, ends};
 use super::font::text_width;
 use super::sheet::{Anchor, Area, Look, Path, Sheet, Stroke, Style};
-use super::theme::{Colour, DOUBLE, HAIR, INK, LETTER, MUTED, SHORTENING, TENSION, TICK};
+use super::theme::{BAND, Colour, DOUBLE, HAIR, INK, LETTER, MUTED, SHORTENING, TENSION, TICK};
 use super::{Figure, FigureError};
 
 /// Heights of the plots, px.
@@ -47,6 +47,19 @@ pub struct DrawnFit {
     pub noise: f64,
     /// Warning above the curve, in colour. With a warning, the misfit is drawn, too.
     pub warning: Option<String>,
+    /// Stimuli, ms.
+    pub stimuli_ms: Vec<f64>,
+}
+
+/// A tension that a curve asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnTension {
+    /// Times, ms.
+    pub times_ms: Vec<f64>,
+    /// Tension, kPa.
+    pub tension_kpa: Vec<f64>,
+    /// Ends of its 95 % band, kPa.
+    pub band_kpa: [Vec<f64>; 2],
     /// Stimuli, ms.
     pub stimuli_ms: Vec<f64>,
 }
@@ -132,6 +145,50 @@ pub fn fit(curves: &[DrawnFit], profiles: &[LikelihoodProfile]) -> Result<Figure
         top += PROFILE + UNDER;
     }
     Ok(sheet.finish(DOUBLE, top))
+}
+
+/// Draws a tension over time with its 95 % band.
+///
+/// Width: two columns, 178 mm.
+///
+/// # Errors
+/// A tension without frames.
+pub fn tension(drawn: &DrawnTension) -> Result<Figure, FigureError> {
+    let DrawnTension { times_ms, tension_kpa, band_kpa: [low, high], stimuli_ms } = drawn;
+    let (Some(&first), Some(&last)) = (times_ms.first(), times_ms.last()) else {
+        return Err(FigureError::Nothing { what: "tensions" });
+    };
+    let top = high.iter().copied().fold(0.0, f64::max);
+    let line = |values: &[f64]| times_ms.iter().zip(values).map(|(t, v)| [*t, *v]).collect();
+    let curve = Curve { points: line(tension_kpa), colour: TENSION, dash: None };
+    let mut chart = Chart {
+        place: [0.0, HEAD],
+        size: [0.0, OVERLAY],
+        x: Axis::time([first, last]),
+        y: Axis::values("Active tension (kPa)", [0.0, top], OVERLAY),
+        curves: vec![curve],
+        bands: Vec::new(),
+        marks: stimuli_ms.clone(),
+    };
+    let offset = chart.label_offset();
+    chart.place[0] = 28.0 + offset;
+    chart.size[0] = DOUBLE - 20.0 - chart.place[0];
+    let mut sheet = Sheet::default();
+    let edge = |values: &[f64]| -> Vec<[f64; 2]> {
+        times_ms.iter().zip(values).map(|(t, v)| chart.at([*t, *v])).collect()
+    };
+    let mut area = Path::default();
+    area.add_ring(edge(high).into_iter().chain(edge(low).into_iter().rev()));
+    let mut inside = Sheet::default();
+    inside.path(area, Look::fill(BAND));
+    let plot = Area { corner: chart.place, size: chart.size };
+    sheet.window("band".to_owned(), Path::rect(plot), inside);
+    chart.draw(&mut sheet, offset);
+    chart.draw_curves(&mut sheet);
+    let words = "line: tension, grey: 95 % band";
+    let right = [chart.place[0] + chart.size[0], chart.place[1] - 8.5];
+    sheet.text(right, words, Style::new(TICK).anchor(Anchor::End).colour(INK));
+    Ok(sheet.finish(DOUBLE, HEAD + OVERLAY + UNDER))
 }
 
 fn draw_profile(

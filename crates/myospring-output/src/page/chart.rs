@@ -1,7 +1,7 @@
 //! Charts over time, thinned to the samples that a screen can show.
 
 use crate::digits::rounded;
-use crate::figure::{DrawnFit, Measured, around, shown};
+use crate::figure::{DrawnFit, DrawnTension, Measured, around, shown};
 use myospring_core::analysis::curve::{Analysis, Mark, State};
 use myospring_core::analysis::kind::Family;
 use serde::Serialize;
@@ -192,6 +192,30 @@ impl Chart {
                 .chain(holes)
                 .filter(|it| it.to_ms >= from && it.from_ms <= to)
                 .collect(),
+            ..Self::default()
+        }
+    }
+
+    /// A tension that a curve asks for, with its band.
+    pub fn of_tension(drawn: &DrawnTension) -> Self {
+        let DrawnTension { times_ms, tension_kpa, band_kpa: [low, high], stimuli_ms } = drawn;
+        let series = |label: &str, tone, values: &[f64]| Series {
+            label: label.to_owned(),
+            tone,
+            dotted: false,
+            times_ms: times_ms.clone(),
+            values: values.to_vec(),
+        };
+        Self {
+            name: "Active tension that the curve asks for".to_owned(),
+            unit: "kPa".to_owned(),
+            note: "between the thin lines: 95 % band".to_owned(),
+            series: vec![
+                series("lower end", Tone::Raw, low),
+                series("upper end", Tone::Raw, high),
+                series("tension", Tone::Tension, tension_kpa),
+            ],
+            stimuli_ms: stimuli_ms.clone(),
             ..Self::default()
         }
     }

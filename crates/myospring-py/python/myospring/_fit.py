@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
+import tempfile
 from dataclasses import dataclass, fields
 from functools import cached_property
 from os import PathLike
@@ -124,6 +125,32 @@ class FittedCurve:
         return dataset(over_time, {"t_ms": (("t_ms",), self.t_ms)}, {"title": self.name}, units)
 
 
+@dataclass(frozen=True, eq=False)
+class OwnTension:
+    """The active tension that a curve asks for, frame by frame.
+
+    Attributes
+    ----------
+    t_ms : ndarray of shape (frames,)
+        Times since the first frame.
+    tension_kpa, standard_deviation_kpa : ndarray of shape (frames,)
+        Tension, 0 where the cell is longer than at rest, and its standard deviation.
+    band_kpa : ndarray of shape (2, frames)
+        Ends of the 95 % band.
+    young_modulus_kpa : float
+        The assumed Young's modulus: a free cell determines tension over stiffness only.
+    mean_beat : dict of str to ndarray, or None
+        ``t_ms`` since the onset, ``tension_kpa`` and ``standard_error_kpa`` of the mean of the whole beats.
+    """
+
+    t_ms: NDArray[np.float64]
+    tension_kpa: NDArray[np.float64]
+    standard_deviation_kpa: NDArray[np.float64]
+    band_kpa: NDArray[np.float64]
+    young_modulus_kpa: float
+    mean_beat: dict[str, NDArray[np.float64]] | None
+
+
 class Fit:
     """A cell fitted to its curve; the result of `fit`. It can be pickled.
 
@@ -224,6 +251,23 @@ class Fit:
             for row in self._record["curves"]
         ]
 
+    @cached_property
+    def own_tension(self) -> OwnTension | None:
+        """The tension that the curve asks for; None unless the fit was made with ``model="given_tension"``."""
+        row = self._record.get("own_tension")
+        if row is None:
+            return None
+        beat = row["mean_beat"]
+        names = {"t_ms": "times_ms", "tension_kpa": "tension_kpa", "standard_error_kpa": "standard_error_kpa"}
+        return OwnTension(
+            t_ms=np.array(row["times_ms"]),
+            tension_kpa=np.array(row["tension_kpa"]),
+            standard_deviation_kpa=np.array(row["standard_deviation_kpa"]),
+            band_kpa=np.array(row["band_kpa"]),
+            young_modulus_kpa=float(row["young_modulus_kpa"]),
+            mean_beat=None if beat is None else {name: np.array(beat[key]) for name, key in names.items()},
+        )
+
     def to_dataframe(self) -> Any:
         """Returns value, unit, interval and verdict of each parameter as a table; needs pandas.
 
@@ -301,7 +345,15 @@ class Fit:
         SimulationError
             A run that stopped before its end.
         """
-        return ended(Beat(self.cell, _native.repeat(self.cell._native, self.run_file, threads, heard(progress))))
+        own = self.own_tension
+        if own is None:
+            return ended(Beat(self.cell, _native.repeat(self.cell._native, self.run_file, threads, heard(progress))))
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "tension.csv")
+            rows = np.c_[own.t_ms, own.tension_kpa]
+            np.savetxt(path, rows, fmt="%.17g", delimiter=",", header="t_ms,tension_kPa", comments="")
+            text = self.run_file.replace('tension = "tension.csv"', f"tension = {json.dumps(path.as_posix())}")
+            return ended(Beat(self.cell, _native.repeat(self.cell._native, text, threads, heard(progress))))
 
     def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
         """Writes what ``myospring fit`` writes of a film: numbers, curves, run file, figures, report, map and track.

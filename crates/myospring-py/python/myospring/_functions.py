@@ -24,6 +24,8 @@ class BeatSettings(TypedDict, total=False):
     cell_calcium_dissociation_micromolar: float | None
     cell_ratio_min: float | None
     cell_ratio_max: float | None
+    tension: str | PathLike[str] | None
+    tension_clock: Literal["stimulus", "run"] | None
     cell_stretch_felt: Literal["cell", "triangle"]
     authors_step: bool
     cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] | None
@@ -80,6 +82,8 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "cell_calcium_dissociation_micromolar": ("cell.calcium_dissociation", None),
     "cell_ratio_min": ("cell.ratio_min", None),
     "cell_ratio_max": ("cell.ratio_max", None),
+    "tension": ("cell.tension", None),
+    "tension_clock": ("cell.tension_clock", None),
     "cell_stretch_felt": ("cell.stretch_felt", "cell"),
     "authors_step": ("cell.authors_step", False),
     "cell_integrator": ("cell.integrator", None),
@@ -140,6 +144,8 @@ def simulate(
     cell_calcium_dissociation_micromolar: float | None = None,
     cell_ratio_min: float | None = None,
     cell_ratio_max: float | None = None,
+    tension: str | PathLike[str] | None = None,
+    tension_clock: Literal["stimulus", "run"] | None = None,
     cell_stretch_felt: Literal["cell", "triangle"] = "cell",
     authors_step: bool = False,
     cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] | None = None,
@@ -217,6 +223,13 @@ def simulate(
         The ratio without calcium, R_min. 0 to 1000000.
     cell_ratio_max : float or None
         The ratio with the dye saturated with calcium, R_max. Above 0, at most 1000000.
+    tension : str or PathLike[str] or None
+        Active tension from a table (.csv), relative to this file, for model = "given_tension": a
+        column of times and one of tension, with their units in the header like time (ms),tension
+        (kPa), or tension over Young's modulus, tension_over_stiffness. Between rows it is
+        interpolated without overshoot.
+    tension_clock : {"stimulus", "run"} or None
+        From when the times of that table count.
     cell_stretch_felt : {"cell", "triangle"}, default "cell"
         Which stretch acts on a model that depends on stretch, such as land_2017.
     authors_step : bool, default False
@@ -387,6 +400,8 @@ def simulate(
         ("cell.calcium_dissociation", cell_calcium_dissociation_micromolar, None),
         ("cell.ratio_min", cell_ratio_min, None),
         ("cell.ratio_max", cell_ratio_max, None),
+        ("cell.tension", tension, None),
+        ("cell.tension_clock", tension_clock, None),
         ("cell.stretch_felt", cell_stretch_felt, "cell"),
         ("cell.authors_step", authors_step, False),
         ("cell.integrator", cell_integrator, None),

@@ -15,6 +15,7 @@ pub mod words;
 use super::input::{self, ChosenSetting, Input};
 use super::tension_map::FilmMap;
 use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
+use crate::cell as cells;
 use crate::fit::Loaded;
 use crate::interruption::Interruption;
 use crate::settings::{self, Run, Shaped, Value};
@@ -62,7 +63,7 @@ impl FitCell {
     ) -> Result<PreparedFit, ExperimentError> {
         self.cell.iter().chain(&self.to).for_each(|path| files.note(path));
         let film = self.film()?;
-        let settings = self.settings();
+        let (settings, seeks_tension) = self.settings();
         let film = film.map(|path| self.follow(path, &settings, files, observer)).transpose()?;
         let stem = self.to.first().filter(|_| self.cell.is_none());
         let stem = stem.and_then(|path| path.file_stem());
@@ -90,22 +91,24 @@ impl FitCell {
         let made = run.make(shaped, |file| files.bytes(file))?;
         run.fibre = made.fibres.taken;
         let (report, outline) = (made.report.clone(), made.outline.clone());
-        let cell = FittableCell::new(run, made, &self.sought, self.beats.clone(), loaded)?;
+        let cell = FittableCell::new(run, made, seeks_tension, &self.sought, (self.beats.clone(), loaded))?;
         let (threads, files) = (self.threads, files.clone());
         let work = Work { cell, report, outline, curves, own, threads, files };
         Ok(PreparedFit { name, stem, film, work: Some(work), notes })
     }
 
-    /// The settings that were given. Fits are quasi-static, so a viscous cell needs no integrator.
-    fn settings(&self) -> Vec<ChosenSetting> {
+    /// The settings that were given, and whether the tension itself is sought. Fits are quasi-static, so a viscous cell needs
+    /// no integrator.
+    fn settings(&self) -> (Vec<ChosenSetting>, bool) {
         const METHOD: &str = "numerics.integrator";
         let has = |key: &str| self.settings.iter().any(|(setting, _)| setting.key == key);
         let mut settings = self.settings.clone();
+        let seeks_tension = seeks_tension(&mut settings);
         if has("material.retardation_time") && !has(METHOD) {
             let method = settings::find(METHOD);
             settings.extend(method.map(|it| (it, Value::Text("quasi-static".to_owned()))));
         }
-        settings
+        (settings, seeks_tension)
     }
 
     fn between_springs(
@@ -136,6 +139,23 @@ impl FitCell {
         let Input { name, run, shaped, .. } = read;
         Ok((name, run, shaped))
     }
+}
+
+/// Whether settings ask for the tension itself: by a model whose tension is given, which nobody gave. It is then no longer
+/// among them.
+pub fn seeks_tension(settings: &mut Vec<ChosenSetting>) -> bool {
+    let is_given = |(setting, value): &ChosenSetting| {
+        let model = value.as_text().filter(|_| setting.key == "cell.model");
+        model.is_some_and(|name| {
+            cells::model(name).is_ok_and(|model| model.given_tension().is_some())
+        })
+    };
+    let has_table = settings.iter().any(|(setting, _)| setting.key == "cell.tension");
+    let seeks = !has_table && settings.iter().any(is_given);
+    if seeks {
+        settings.retain(|setting| !is_given(setting));
+    }
+    seeks
 }
 
 impl PreparedFit {

@@ -1,6 +1,7 @@
 //! The result of a fit.
 
 use super::observed::Scale;
+use super::own_tension::OwnTension;
 use super::unknown::Unknown;
 use serde::Serialize;
 
@@ -41,6 +42,9 @@ pub struct Fit {
     pub beats_before: usize,
     /// The number of curves that were computed.
     pub evaluations: usize,
+    /// The tension that the curve asks for, where that was sought.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own_tension: Option<OwnTension>,
 }
 
 /// One fitted number.

@@ -2,6 +2,7 @@
 
 use crate::analysis::curve::CurveError;
 use crate::cell::ModelError;
+use crate::cell::calcium::TraceError;
 use crate::cell::solve::SolveError;
 use crate::parameter::ParameterError;
 use crate::settings::{MakeError, ShapeError};
@@ -35,6 +36,23 @@ pub enum FitError {
         name: String,
         /// What it is.
         kind: String,
+    },
+    /// A curve without a scale.
+    #[error(
+        "`{name}` is in arbitrary units, so it does not say how far the cell shortens, and its own tension is not known; give a \
+         length, or a shortening in % (--kind, --unit)"
+    )]
+    NoHeight {
+        /// The curve.
+        name: String,
+    },
+    /// A tension that no cell has.
+    #[error(
+        "the curve asks for a tension that no cell has: {cause}; check the kind and the unit of the curve, and Young's modulus"
+    )]
+    NoCourse {
+        /// Which.
+        cause: TraceError,
     },
     /// A curve that cannot be read.
     #[error("`{name}`: {cause}")]

@@ -14,6 +14,7 @@ use super::unknown::{Physics, Unknown};
 use super::words::verdicts;
 use super::work::Work;
 use crate::cell::TensionKind;
+use crate::cell::given_tension::GivenTension;
 use crate::interruption::Interruption;
 use crate::mechanics::material::Stiffness;
 use crate::mechanics::support::SupportKind;
@@ -62,6 +63,8 @@ struct Found {
 pub struct Fitter {
     simulation: Simulation,
     shelf: Arc<Shelf>,
+    /// Whether the tension itself is sought, whatever the cell model.
+    seeks_tension: bool,
 }
 
 impl Fitter {
@@ -96,7 +99,23 @@ impl Fitter {
             }
             _ => {}
         }
-        Ok(Self { simulation, shelf: Arc::default() })
+        Ok(Self { simulation, shelf: Arc::default(), seeks_tension: false })
+    }
+
+    /// Of a simulation of which the tension itself is sought.
+    pub(super) fn seeking_tension(simulation: Simulation) -> Self {
+        let simulation = Simulation { cell: Arc::new(GivenTension::example()), ..simulation };
+        Self { simulation, shelf: Arc::default(), seeks_tension: true }
+    }
+
+    /// Whether the tension itself is sought.
+    pub fn seeks_tension(&self) -> bool {
+        self.seeks_tension
+    }
+
+    /// The tables of its equilibria.
+    pub(super) fn shelf(&self) -> &Shelf {
+        &self.shelf
     }
 
     /// The run's peak tension over its Young's modulus; for a tension in kPa the model's greatest
@@ -130,7 +149,7 @@ impl Fitter {
     #[must_use]
     pub fn interrupted_by(&self, interruption: Interruption) -> Self {
         let simulation = Simulation { interruption, ..self.simulation.clone() };
-        Self { simulation, shelf: Arc::clone(&self.shelf) }
+        Self { simulation, shelf: Arc::clone(&self.shelf), ..*self }
     }
 
     /// The cell.
@@ -229,6 +248,10 @@ impl Fitter {
         settings: &FitSettings,
         goes_on: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<Option<Fit>, FitError> {
+        if self.seeks_tension {
+            settings.refuse_parameters()?;
+            return if goes_on(0.0) { self.own_tension(curves).map(Some) } else { Ok(None) };
+        }
         let arbitrary = curves.iter().all(|curve| curve.observed.scale == Scale::Arbitrary);
         let sought =
             settings.sought(&*self.simulation.cell, |unknown| self.usual(unknown), arbitrary)?;
@@ -412,6 +435,7 @@ impl Fitter {
             starts: starts.iter().map(|end| (end.sum / count).sqrt()).collect(),
             reduced_chi_squared: reduced,
             evaluations: work.evaluations(),
+            own_tension: None,
         };
         fit.judge();
         fit.verdicts = verdicts(&fit, &*self.simulation.cell, self.modulus());

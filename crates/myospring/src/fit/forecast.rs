@@ -25,6 +25,9 @@ impl Fitter {
         curves: &[Loaded],
         settings: &FitSettings,
     ) -> Result<Option<Duration>, FitError> {
+        if self.seeks_tension() {
+            return Ok(None);
+        }
         let sought =
             settings.sought(&*self.simulation().cell, |unknown| self.usual(unknown), false)?;
         let unknowns: Vec<Unknown> = sought.iter().map(|(unknown, ..)| unknown.clone()).collect();

@@ -41,11 +41,24 @@ pub(super) struct Misfit {
 impl Misfit {
     /// The misfit of a source with these stimuli to its fitted curve.
     pub(super) fn of(source: &Source, stimuli: &[f64], fitted: &[f64]) -> Self {
-        let used = || (0..fitted.len()).filter(|&at| source.used[at]);
-        let values: Vec<f64> = used().map(|at| source.frames.values[at]).collect();
-        let off: Vec<f64> = used().map(|at| source.frames.values[at] - fitted[at]).collect();
-        let times: Vec<f64> = used().map(|at| source.frames.times[at]).collect();
-        Self::in_residuals(&off, &beat_upon_beat(&off, &times, stimuli), &values)
+        let Source { frames, used, .. } = source;
+        let off = (0..fitted.len()).filter(|&at| used[at]);
+        let off: Vec<f64> = off.map(|at| frames.values[at] - fitted[at]).collect();
+        Self::of_residuals(&off, &frames.times, &frames.values, used, stimuli)
+    }
+
+    /// Of residuals of the frames that count, at these times and values of all frames.
+    pub(super) fn of_residuals(
+        off: &[f64],
+        times: &[f64],
+        values: &[f64],
+        used: &[bool],
+        stimuli: &[f64],
+    ) -> Self {
+        let counted = |of: &[f64]| -> Vec<f64> {
+            of.iter().zip(used).filter(|(_, used)| **used).map(|(value, _)| *value).collect()
+        };
+        Self::in_residuals(off, &beat_upon_beat(off, &counted(times), stimuli), &counted(values))
     }
 
     fn in_residuals(off: &[f64], folded: &Folded, values: &[f64]) -> Self {

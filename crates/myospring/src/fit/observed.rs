@@ -8,7 +8,7 @@ use crate::measured::Curve;
 /// Frames at rest that an estimate of the noise needs.
 const ENOUGH: usize = 12;
 /// A frame is at rest if it is within this part of the range from the resting level.
-const AT_REST: f64 = 0.12;
+pub(super) const AT_REST: f64 = 0.12;
 /// Standard deviation of a normal distribution over its median absolute value.
 const FROM_MEDIAN: f64 = 1.4826;
 /// Variance of `y_- - 2 y + y_+` over that of the noise.

@@ -22,6 +22,9 @@ impl Fitter {
     /// # Errors
     /// Numbers that the model does not take.
     pub fn fitted(&self, mut run: Run, fit: &Fit) -> Result<Run, FitError> {
+        if let Some(own) = &fit.own_tension {
+            return own.run(run, fit);
+        }
         let mut parameters = self.simulation().cell.parameters().clone();
         let mut tension = self.tension();
         for estimate in &fit.estimates {
@@ -81,7 +84,7 @@ impl Fitter {
 }
 
 /// Cycle lengths are rounded to this part of a ms.
-const WRITTEN: f64 = 1e6;
+pub(super) const WRITTEN: f64 = 1e6;
 
 /// The largest `Ta` of the fitted beats.
 fn own_peak(

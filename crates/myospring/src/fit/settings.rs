@@ -90,6 +90,18 @@ impl FitSettings {
         [Unknown::TensionOverStiffness].into_iter().chain(of_cell).collect()
     }
 
+    /// Refuses names of parameters where the tension itself is sought.
+    pub(super) fn refuse_parameters(&self) -> Result<(), FitError> {
+        let strength = [Unknown::TensionOverStiffness];
+        if self.bounds.is_empty() && self.free.as_ref().is_none_or(|free| *free == strength) {
+            return Ok(());
+        }
+        Err(FitError::Setting {
+            what: "names to free, to fix or to bound",
+            why: "the tension itself is sought, frame by frame, and no parameter; leave them out",
+        })
+    }
+
     /// Every unknown with its bounds as factors on the run's value, and that value; `of` gives the
     /// value of unknowns that are not parameters.
     pub(super) fn sought(

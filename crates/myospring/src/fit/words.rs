@@ -33,12 +33,7 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
             "only {agreeing} of {starts} starts reached this answer, so there may be a better one: try more starts"
         ));
     }
-    let bad: usize =
-        fit.curves.iter().map(|curve| curve.used.iter().filter(|used| !**used).count()).sum();
-    if bad > 0 {
-        words.push(format!("{bad} single bad frames were left out"));
-    }
-    words.extend(fit.curves.iter().filter_map(left_out));
+    words.extend(of_frames(fit));
     let free = |unknown: &Unknown| {
         fit.estimates.iter().any(|estimate| estimate.unknown.as_ref() == Some(unknown))
     };
@@ -49,11 +44,55 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
                 .to_owned(),
         );
     } else if !free(&Unknown::YoungModulus) && free(&Unknown::TensionOverStiffness) {
+        words.push(of_ratio(modulus));
+    }
+    words
+}
+
+/// Which number a length determines.
+fn of_ratio(modulus: f64) -> String {
+    format!(
+        "the curve determines the ratio of tension to stiffness, not either one; values in kPa assume a Young's modulus of {} kPa",
+        (1e4 * modulus).round() / 1e4
+    )
+}
+
+/// What a reader of a cell's own tension must know.
+pub(super) fn of_own_tension(fit: &Fit, modulus: f64) -> Vec<String> {
+    let Some(own) = &fit.own_tension else { return Vec::new() };
+    let mut words = vec![OF_OWN_TENSION.to_owned()];
+    if own.rest_raised > 0.0 {
         words.push(format!(
-            "the curve determines the ratio of tension to stiffness, not either one; values in kPa assume a Young's modulus of {} kPa",
-            (1e4 * modulus).round() / 1e4
+            "in {} of {} frames the cell is longer than before its beat, by up to {}, more often than noise explains: \
+             either it had tension before its beat, or its length at rest drifts. Its longest length counts as no tension",
+            own.longer_than_before,
+            own.times_ms.len(),
+            amount(100.0 * own.rest_raised, "%")
         ));
     }
+    if own.too_short > 0 {
+        words.push(format!(
+            "in {} frames the cell is shorter than any tension makes it; their tension is extrapolated. Check the length at rest",
+            own.too_short
+        ));
+    }
+    words.extend(of_frames(fit));
+    words.push(of_ratio(modulus));
+    words
+}
+
+/// What a cell's own tension is worth.
+pub(super) const OF_OWN_TENSION: &str = "this is the tension that the curve needs, frame by frame; it predicts nothing beyond this recording";
+
+/// Frames that were left out.
+fn of_frames(fit: &Fit) -> Vec<String> {
+    let mut words = Vec::new();
+    let bad: usize =
+        fit.curves.iter().map(|curve| curve.used.iter().filter(|used| !**used).count()).sum();
+    if bad > 0 {
+        words.push(format!("{bad} single bad frames were left out"));
+    }
+    words.extend(fit.curves.iter().filter_map(left_out));
     words
 }
 
@@ -123,7 +162,8 @@ fn what_to_do(fit: &Fit, cell: &dyn CellModel) -> String {
     let bounds = if at_bound { ", wider bounds" } else { "" };
     format!(
         "do not use these numbers: they are not the cell's and have no intervals. Try {other}, more free \
-        parameters{bounds}, or a shorter part of the curve, and check that the curve's kind and unit are right"
+        parameters{bounds}, or a shorter part of the curve, and check that the curve's kind and unit are right. \
+         --model given_tension finds the tension that the curve asks for, whatever the model"
     )
 }
 

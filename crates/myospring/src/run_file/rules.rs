@@ -79,8 +79,12 @@ pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
                 Some(model) if what(&**model) => keys.to_vec(),
                 _ => Vec::new(),
             };
-            [own(has_own_tension, &OF_RELATIVE_TENSION), own(has_given_calcium, &OF_MEMBRANE)]
-                .concat()
+            [
+                own(has_own_tension, &OF_RELATIVE_TENSION),
+                own(is_prescribed, &OF_MEMBRANE),
+                own(|cell| cell.given_tension().is_none(), &OF_GIVEN_TENSION),
+            ]
+            .concat()
         }
         "numerics.integrator" if word == Some("quasi-static") => vec!["numerics.time_step"],
         _ => {
@@ -134,12 +138,14 @@ fn alternatives(file: &RunFile) -> Checked {
 const OF_RELATIVE_TENSION: [&str; 1] = ["cell.peak_tension"];
 /// Keys that apply only to models with a membrane, which a stimulus can change.
 const OF_MEMBRANE: [&str; 3] = ["stimulus.kind", "stimulus.amplitude", "stimulus.duration"];
+/// Keys that apply only to a model whose tension is given.
+const OF_GIVEN_TENSION: [&str; 2] = ["cell.tension", "cell.tension_clock"];
 
 fn has_own_tension(cell: &dyn CellModel) -> bool {
     !matches!(cell.tension_kind(), TensionKind::Relative { .. })
 }
 
-fn has_given_calcium(cell: &dyn CellModel) -> bool {
+fn is_prescribed(cell: &dyn CellModel) -> bool {
     cell.stimulation().moves.is_empty()
 }
 
@@ -151,12 +157,28 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
                       model's own parameter, T_ref of land_2017";
         return exclude("cell.model", second, advice);
     }
-    if has_given_calcium(&*run.cell)
+    if is_prescribed(&*run.cell)
         && let Some(second) = OF_MEMBRANE.into_iter().find(|key| file.has(key))
     {
-        let advice = "this model's calcium is prescribed and restarts at each stimulus; a stimulus has no other \
+        let advice = "what drives this model is prescribed and restarts at each stimulus; a stimulus has no other \
             effect, so leave this setting out";
         return exclude("cell.model", second, advice);
+    }
+    match run.cell.given_tension() {
+        Some(_) if !file.has("cell.tension") => {
+            let reason = "given_tension beats by the tension of a table; give tension = \"FILE.csv\", or --tension FILE.csv";
+            return Err((
+                "cell.model".to_owned(),
+                Problem::Missing { key: "cell.tension", reason },
+            ));
+        }
+        None => {
+            if let Some(second) = OF_GIVEN_TENSION.into_iter().find(|key| file.has(key)) {
+                let advice = "only model = \"given_tension\" takes its tension from a table; choose it, or leave the table out";
+                return exclude("cell.model", second, advice);
+            }
+        }
+        Some(_) => {}
     }
     if let Some(second) = ["cell.calcium_dissociation", "cell.ratio_min", "cell.ratio_max"]
         .into_iter()
@@ -166,7 +188,7 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
         return Err((second.to_owned(), Problem::Missing { key: "cell.calcium", reason }));
     }
     if file.has("cell.calcium") {
-        if !has_given_calcium(&*run.cell) {
+        if !is_prescribed(&*run.cell) {
             let advice = "only a model with prescribed calcium reads it from a table; give model = \"land_2017\", or \
                           leave the table out";
             return exclude("cell.model", "cell.calcium", advice);

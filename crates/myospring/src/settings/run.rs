@@ -8,6 +8,8 @@ use super::places::FromPlaces;
 use super::sarcomeres::{self, SarcomereError};
 use super::shape::{Shape, Shaped, Source};
 use super::steady::{self, CacheError};
+use super::tension::{self, TensionError};
+use crate::cell::given_tension::TensionClock;
 use crate::cell::pacing::Protocol;
 use crate::cell::{CellModel, TensionKind, coelho_2021};
 use crate::interruption::Interruption;
@@ -45,6 +47,10 @@ pub struct Run {
     pub calcium: Option<String>,
     /// Calibration of a ratio in that table.
     pub calibration: Calibration,
+    /// The table of a prescribed tension, as written, if given.
+    pub tension: Option<String>,
+    /// From when the times of that table count.
+    pub tension_clock: TensionClock,
     /// Largest change over ten beats at which pacing before the run ends; `None` starts from the
     /// model's initial state.
     pub steady_state: Option<f64>,
@@ -130,9 +136,20 @@ pub enum MakeError {
     /// The length of sarcomeres cannot be read.
     #[error(transparent)]
     Sarcomere(#[from] SarcomereError),
-    /// The course of calcium cannot be read.
+    /// The course of calcium or tension cannot be read.
+    #[error(transparent)]
+    Driven(#[from] DrivenError),
+}
+
+/// Why a prescribed course of calcium or tension cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum DrivenError {
+    /// That of calcium.
     #[error(transparent)]
     Calcium(#[from] CalciumError),
+    /// That of tension.
+    #[error(transparent)]
+    Tension(#[from] TensionError),
 }
 
 impl Run {
@@ -147,6 +164,8 @@ impl Run {
             cell: Arc::new(cell),
             calcium: None,
             calibration: Calibration::default(),
+            tension: None,
+            tension_clock: TensionClock::default(),
             steady_state: None,
             steady_state_cache: String::new(),
             peak_tension: PEAK_TENSION,
@@ -280,18 +299,22 @@ impl Run {
         Ok(MeshedRun { simulation, report, outline, fibres, picture })
     }
 
-    /// The cell model with calcium from a table, and a warning if there is one; `read` reads a file
-    /// by its name as written. Without a table, the model is unchanged.
+    /// The cell model with calcium or tension from a table, and a warning if there is one; `read`
+    /// reads a file by its name as written. Without a table, the model is unchanged.
     ///
     /// # Errors
-    /// A model that computes calcium itself, or an invalid table.
+    /// A model that computes what the table prescribes, or an invalid table.
     pub fn driven(
         &self,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
-    ) -> Result<(Arc<dyn CellModel>, Option<String>), CalciumError> {
-        match &self.calcium {
-            Some(path) => calcium::with_calcium(&self.cell, path, self.calibration, read),
-            None => Ok((Arc::clone(&self.cell), None)),
+    ) -> Result<(Arc<dyn CellModel>, Option<String>), DrivenError> {
+        match (&self.calcium, &self.tension) {
+            (Some(path), _) => Ok(calcium::with_calcium(&self.cell, path, self.calibration, read)?),
+            (None, Some(path)) => {
+                let (clock, modulus) = (self.tension_clock, self.material.young_modulus());
+                Ok(tension::with_tension(&self.cell, path, clock, modulus, read)?)
+            }
+            (None, None) => Ok((Arc::clone(&self.cell), None)),
         }
     }
 
@@ -401,7 +424,8 @@ impl Run {
                 self.cell.name()
             ));
         }
-        if s2_interval_ms.is_some() && self.cell.stimulation().moves.is_empty() {
+        let is_prescribed = self.cell.stimulation().moves.is_empty();
+        if s2_interval_ms.is_some() && is_prescribed && self.cell.given_tension().is_none() {
             warnings.push(format!(
                 "the calcium of {} is prescribed and restarts at S2 with full size, however early S2 comes: \
                  S2 changes only the myofilaments; tor_ord_land computes calcium",

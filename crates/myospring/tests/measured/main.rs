@@ -6,6 +6,7 @@ mod common;
 mod fit;
 mod numbers;
 mod own_runs;
+mod own_tension;
 #[path = "../common/pulled_film.rs"]
 mod pulled_film;
 #[path = "../common/synthetic_cell.rs"]

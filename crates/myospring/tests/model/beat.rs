@@ -336,6 +336,39 @@ fn every_model_of_the_list_can_drive_the_mesh() {
     }
 }
 
+#[test]
+fn the_tension_of_a_run_given_again_makes_the_same_curve() {
+    use myospring::cell::given_tension::{GivenTension, TensionClock, TensionCourse};
+    for model in ["coelho_2021", "land_2017"] {
+        let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap());
+        simulation.cell = cell::model(model).unwrap();
+        simulation.numerics.cell = simulation.cell.usual_settings();
+        simulation.protocol = Protocol {
+            cycle_length_ms: 700.0,
+            beats: 2,
+            ..Protocol::once(simulation.cell.default_stimulus())
+        };
+        simulation.duration = 1400.0;
+        simulation.numerics.method = Method::QuasiStatic;
+        let first = run(&simulation);
+        let samples = &first.recording.samples;
+        let times: Vec<f64> = samples.iter().map(|sample| sample.t_ms).collect();
+        let tensions: Vec<f64> = samples.iter().map(|sample| sample.ta_kpa).collect();
+        let course = TensionCourse::new(&times, &tensions).unwrap();
+        let given = GivenTension::example().with_course(course, TensionClock::Run);
+        simulation.numerics.cell = given.usual_settings();
+        simulation.cell = Arc::new(given);
+        let again = run(&simulation);
+        assert_eq!(again.recording.samples.len(), samples.len(), "{model}");
+        for (one, other) in samples.iter().zip(&again.recording.samples) {
+            // Samples are rows, so nothing is interpolated. A resting tension acts from the start in both.
+            let off = (one.length_um - other.length_um).abs();
+            assert!(off < 1e-9, "{model}, {} ms: {off} um", one.t_ms);
+        }
+        assert_eq!(again.beats().len(), 2, "stimuli mark the beats");
+    }
+}
+
 /// `coelho_2021` with another `tau_si` (ms), along its equilibria.
 fn with_tau_si(tau_si: f64) -> Simulation {
     let published = cell::model("coelho_2021").unwrap();

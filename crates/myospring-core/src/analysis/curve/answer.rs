@@ -158,6 +158,10 @@ pub struct CurveBeat {
     /// Points at which they were read.
     #[serde(skip)]
     pub marks: Vec<Mark>,
+    /// Frames before it over which its rest is the mean: the first, and the one after the last; from
+    /// 0.
+    #[serde(skip)]
+    pub rest_frames: Option<[usize; 2]>,
     /// Baseline over the beat: its first and last point.
     #[serde(skip)]
     pub baseline: Option<[Point; 2]>,

@@ -66,6 +66,7 @@ impl Reader<'_> {
                     )],
                     metrics: Vec::new(),
                     marks: Vec::new(),
+                    rest_frames: None,
                     baseline: None,
                 }));
                 continue;
@@ -269,6 +270,7 @@ impl Reader<'_> {
             remarks,
             metrics,
             marks: self.marks(&pulse, onset, &base),
+            rest_frames: Some(span.rest),
             baseline: Some(baseline),
         }
     }

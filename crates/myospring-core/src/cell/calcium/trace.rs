@@ -1,5 +1,7 @@
 //! A measured course of calcium.
 
+use crate::cell::samples::{SampleBounds, TraceError, check};
+
 /// Samples of one beat, in uM over the time since the stimulus.
 ///
 /// The mean of samples up to the stimulus (at 0 ms) is calcium at rest; without any, it is the
@@ -21,55 +23,6 @@ pub struct CalciumTrace {
     calcium_um: Vec<f64>,
 }
 
-/// Why samples are not a valid course of calcium; samples are counted from 0.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum TraceError {
-    /// The numbers of times and values differ.
-    #[error("{times} times and {values} values of calcium; give one for each")]
-    Lengths {
-        /// Number of times.
-        times: usize,
-        /// Number of values.
-        values: usize,
-    },
-    /// Too few samples after the stimulus.
-    #[error(
-        "{samples} samples after the stimulus, at 0 ms; a course needs at least 2: time counts from the stimulus"
-    )]
-    Few {
-        /// How many there are.
-        samples: usize,
-    },
-    /// A time that is not finite, or not after the previous one.
-    #[error("time {value} ms does not come after {before} ms; times must rise from row to row")]
-    Time {
-        /// Which sample.
-        sample: usize,
-        /// Its time, ms.
-        value: f64,
-        /// The previous time, ms.
-        before: f64,
-    },
-    /// An impossible concentration.
-    #[error("calcium is {value} uM; it must be between 0 and {} uM", CalciumTrace::MOST_UM)]
-    Value {
-        /// Which sample.
-        sample: usize,
-        /// Its value, uM.
-        value: f64,
-    },
-}
-
-impl TraceError {
-    /// The sample that caused the error, if there is one.
-    pub fn sample(&self) -> Option<usize> {
-        match *self {
-            Self::Time { sample, .. } | Self::Value { sample, .. } => Some(sample),
-            Self::Lengths { .. } | Self::Few { .. } => None,
-        }
-    }
-}
-
 impl CalciumTrace {
     /// Largest accepted concentration, uM; a trace above it has another unit.
     pub const MOST_UM: f64 = 100.0;
@@ -80,25 +33,8 @@ impl CalciumTrace {
     /// Lists of different length, times that do not rise, an impossible concentration, or fewer
     /// than two samples after the stimulus.
     pub fn new(times_ms: &[f64], calcium_um: &[f64]) -> Result<Self, TraceError> {
-        let (times, values) = (times_ms.len(), calcium_um.len());
-        if times != values {
-            return Err(TraceError::Lengths { times, values });
-        }
-        let mut before = f64::NEG_INFINITY;
-        for (sample, (&time, &value)) in times_ms.iter().zip(calcium_um).enumerate() {
-            if !(time.is_finite() && time > before) {
-                return Err(TraceError::Time { sample, value: time, before });
-            }
-            if !(0.0..=Self::MOST_UM).contains(&value) {
-                return Err(TraceError::Value { sample, value });
-            }
-            before = time;
-        }
-        let first = times_ms.partition_point(|time| *time <= 0.0);
-        let samples = times - first;
-        if samples < 2 {
-            return Err(TraceError::Few { samples });
-        }
+        let bounds = SampleBounds { what: "calcium", unit: "uM", most: Self::MOST_UM };
+        let first = check(times_ms, calcium_um, bounds)?;
         let rest = match first {
             0 => calcium_um[0],
             _ => calcium_um[..first].iter().sum::<f64>() / first as f64,

@@ -32,20 +32,25 @@ pub struct FittedCell {
 }
 
 impl FittableCell {
-    /// A cell whose run is made.
+    /// A cell whose run is made; `seeks_tension` fits no parameter, but the tension itself ([`super::seeks_tension`]). `own`
+    /// is when it was stimulated, and curves of it between springs.
     ///
     /// # Errors
     /// A run that cannot be fitted, and names that are not sought.
     pub fn new(
         run: Run,
         made: MeshedRun,
+        seeks_tension: bool,
         sought: &FitOptions,
-        beats: BeatOptions,
-        loaded: Vec<Loaded>,
+        (beats, loaded): (BeatOptions, Vec<Loaded>),
     ) -> Result<Self, ExperimentError> {
         let spacing_um = made.report.spacing_um;
-        let fitter = Fitter::new(made.simulation)?;
-        let settings = sought.settings(&*run.cell, !loaded.is_empty());
+        let fitter = if seeks_tension {
+            Fitter::of_tension(made.simulation)?
+        } else {
+            Fitter::new(made.simulation)?
+        };
+        let settings = sought.settings(&*fitter.simulation().cell, !loaded.is_empty());
         let settings = settings.map_err(|error| not_sought(error, sought))?;
         Ok(Self { run, fitter, spacing_um, settings, beats, loaded })
     }

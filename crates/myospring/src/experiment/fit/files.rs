@@ -9,7 +9,7 @@ use super::tables;
 use crate::experiment::run::{FILE, resolved};
 use crate::experiment::tension_map::{self, FilmMap};
 use crate::experiment::{ExperimentError, Folder, Inputs, Observer};
-use crate::fit::Fit;
+use crate::fit::{Fit, TENSION_FILE};
 use crate::integrate::quasi_static::Tolerance;
 use crate::output::figure::{self, Theme};
 use crate::output::json;
@@ -101,6 +101,13 @@ impl Shared<'_> {
         let up = if several { "../../" } else { "" };
         folder.write(&format!("{within}fit.json"), json::pretty(record)?)?;
         folder.write(&format!("{within}curve.csv"), tables::curves(fit).to_csv()?)?;
+        if let Some(own) = &fit.own_tension {
+            folder.write(&format!("{within}{TENSION_FILE}"), tables::tension(own).to_csv()?)?;
+            if let Some(beat) = &own.mean_beat {
+                folder
+                    .write(&format!("{within}mean_beat.csv"), tables::mean_beat(beat).to_csv()?)?;
+            }
+        }
         let run = work.cell.fitter.fitted(self.run.clone(), fit)?;
         let simulation = simulation(&work.cell.fitter, &run);
         let run_file = resolved(&run, (inputs, up), &simulation, work.cell.spacing_um, None);
@@ -111,6 +118,10 @@ impl Shared<'_> {
         let draw = || figure::fit(&tables::drawn(fit), &tables::profiles(fit));
         let figure = if several { format!("fit_{}", number + 1) } else { "fit".to_owned() };
         folder.figures(Theme::Light, &[(&figure, &draw)], observer)?;
+        if let Some(drawn) = tables::drawn_tension(fit) {
+            let figure = figure.replacen("fit", "tension", 1);
+            folder.figures(Theme::Light, &[(&figure, &|| figure::tension(&drawn))], observer)?;
+        }
         // One path of equilibria serves all cells, unless stiffness was fitted, too.
         let ready = path.as_ref().and_then(|path| path.prepare(&simulation).ok());
         let beaten = match ready {

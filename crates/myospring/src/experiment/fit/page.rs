@@ -8,7 +8,7 @@ use crate::experiment::run::parameters;
 use crate::experiment::{ExperimentError, citations};
 use crate::fit::{Estimate, Fit, FitVerdict, Unknown};
 use crate::output::field::Field;
-use crate::output::figure::{DrawnFit, Figure, FigureError};
+use crate::output::figure::{DrawnFit, DrawnTension, Figure, FigureError};
 use crate::output::page::{
     self, Answer, Chart, Drawing, Page, PageRun, Part, Quality, Runs, Section, TableCell as Entry,
     Tile, VerdictMark,
@@ -53,7 +53,13 @@ pub(super) fn html(
     let start = outcome.stimulus_times_ms.first().copied().unwrap_or_default();
     let several = fit.curves.len() > 1;
     let charts = tables::drawn(fit).into_iter().map(|curve| from_stimulus(curve, start));
-    let charts = charts.flat_map(|curve| Chart::of_fit(&curve, several)).collect();
+    let mut charts: Vec<Chart> = charts.flat_map(|curve| Chart::of_fit(&curve, several)).collect();
+    if let Some(drawn) = tables::drawn_tension(fit) {
+        let by = start - drawn.stimuli_ms.first().copied().unwrap_or(start);
+        let moved = |times: Vec<f64>| times.into_iter().map(|time| time + by).collect();
+        let (times_ms, stimuli_ms) = (moved(drawn.times_ms), moved(drawn.stimuli_ms));
+        charts.insert(0, Chart::of_tension(&DrawnTension { times_ms, stimuli_ms, ..drawn }));
+    }
     let mut sections =
         vec![numbers(fit, model), runs.beat(Field::default(), charts), certainty(fit, &fits.notes)];
     sections.extend(figures(fits));
@@ -83,7 +89,7 @@ fn numbers(fit: &Fit, model: &dyn CellModel) -> Section<'static> {
         let interval = has_interval.then(|| Entry::text(format!("95 %: {interval}")));
         let mark = VerdictMark::new(verdict == "determined", verdict);
         Tile {
-            definition: meaning(estimate, model),
+            definition: meaning(estimate, fit, model),
             lines: interval.into_iter().chain([Entry::text("").marked(Some(mark))]).collect(),
             ..Tile::new(name.replace('_', " "), Entry::text(value))
         }
@@ -113,7 +119,11 @@ fn certainty(fit: &Fit, more: &[String]) -> Section<'static> {
 }
 
 /// What a number is.
-fn meaning(estimate: &Estimate, model: &dyn CellModel) -> String {
+fn meaning(estimate: &Estimate, fit: &Fit, model: &dyn CellModel) -> String {
+    let mut of_tension = fit.own_tension.iter().flat_map(|own| &own.metrics);
+    if let Some(metric) = of_tension.find(|metric| metric.name == estimate.name) {
+        return metric.definition.to_owned();
+    }
     match &estimate.unknown {
         Some(Unknown::TensionOverStiffness) => {
             "peak of the active tension over Young's modulus: a free cell shortens by about as much"

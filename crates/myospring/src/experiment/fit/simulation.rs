@@ -13,5 +13,6 @@ pub(super) fn simulation(fitter: &Fitter, run: &Run) -> Simulation {
     simulation.protocol = run.protocol;
     simulation.duration = run.duration;
     simulation.numerics.method = run.numerics.method;
+    simulation.numerics.cell = run.numerics.cell;
     simulation
 }

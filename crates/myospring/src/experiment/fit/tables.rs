@@ -1,8 +1,8 @@
 //! Fits as tables, and as figures have them.
 
 use super::cell::FittedCell;
-use crate::fit::{self, Estimate, Fit, FitVerdict};
-use crate::output::figure::{DrawnFit, LikelihoodProfile};
+use crate::fit::{self, Estimate, Fit, FitVerdict, MeanBeat, OwnTension};
+use crate::output::figure::{DrawnFit, DrawnTension, LikelihoodProfile};
 use crate::output::table::{Column, Table, column_name};
 
 /// Every frame of every curve.
@@ -35,6 +35,49 @@ pub(super) fn curves(fit: &Fit) -> Table {
         fit.curves.iter().flat_map(|curve| curve.used.iter().map(|used| Some(used.to_string())));
     columns.push(Column::Text { name: "used".to_owned(), values: used.collect() });
     Table { columns }
+}
+
+/// A tension that a curve asks for, as a run reads it.
+pub(super) fn tension(own: &OwnTension) -> Table {
+    let [low, high] = &own.band_kpa;
+    let columns = [
+        ("t_ms", &own.times_ms),
+        ("tension_kPa", &own.tension_kpa),
+        ("lower_95_kPa", low),
+        ("upper_95_kPa", high),
+        ("standard_deviation_kPa", &own.standard_deviation_kpa),
+    ];
+    numbers(&columns)
+}
+
+/// Its mean beat, since the onset.
+pub(super) fn mean_beat(beat: &MeanBeat) -> Table {
+    let columns = [
+        ("t_ms", &beat.times_ms),
+        ("tension_kPa", &beat.tension_kpa),
+        ("standard_error_kPa", &beat.standard_error_kpa),
+    ];
+    numbers(&columns)
+}
+
+fn numbers(columns: &[(&str, &Vec<f64>)]) -> Table {
+    let column = |(name, values): &(&str, &Vec<f64>)| Column::Number {
+        name: (*name).to_owned(),
+        values: values.iter().copied().map(Some).collect(),
+    };
+    Table { columns: columns.iter().map(column).collect() }
+}
+
+/// A tension that a curve asks for, on the clock of the curve.
+pub(super) fn drawn_tension(fit: &Fit) -> Option<DrawnTension> {
+    let (own, curve) = (fit.own_tension.as_ref()?, fit.curves.first()?);
+    let first = *curve.times_ms.first()?;
+    Some(DrawnTension {
+        times_ms: own.times_ms.iter().map(|time| first + time).collect(),
+        tension_kpa: own.tension_kpa.clone(),
+        band_kpa: own.band_kpa.clone(),
+        stimuli_ms: curve.stimuli_ms.clone(),
+    })
 }
 
 /// One row a cell.

@@ -18,6 +18,9 @@ pub fn estimates(fit: &Fit) -> Vec<[String; 4]> {
 
 /// Whether the model fits the curves; comes before any number.
 pub fn headline(fit: &Fit) -> String {
+    if fit.own_tension.is_some() {
+        return "The tension that this curve needs, frame by frame. It predicts nothing beyond this recording.".to_owned();
+    }
     format!("The model {}.", fit.verdict.words())
 }
 

@@ -5,9 +5,11 @@ use super::super::calcium::CALCIUM_ENDINGS;
 use super::super::problem::{Failure, Problem};
 use super::super::run::Run;
 use super::super::setting::{Named, Setting, ValueKind};
+use super::super::tension::TENSION_ENDINGS;
 use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
 use crate::cell::coelho_2021;
+use crate::cell::given_tension::TensionClock;
 use crate::cell::solve::{CellMethod, SolverSettings};
 use crate::mechanics::material::myofilament_material;
 use crate::simulation::StretchFelt;
@@ -18,6 +20,13 @@ worded! { StretchFelt {
     StretchFelt::Triangle = "triangle":
         "That of each triangle along its fibre: a model for each, much slower. For cells whose \
          parts differ, by their content of myofibrils or their fibres.",
+} }
+
+worded! { TensionClock {
+    TensionClock::Stimulus = "stimulus":
+        "From each stimulus: the table has one beat, which restarts with every stimulus.",
+    TensionClock::Run = "run":
+        "From the start of the run: the table has a whole recording, and stimuli only mark its beats.",
 } }
 
 worded! { CellMethod {
@@ -88,6 +97,35 @@ pub(super) const ROWS: &[Setting] = &[
         |run| run.calibration.ratio_max,
         |run, value| run.calibration.ratio_max = Some(value),
     ),
+    Setting::new(
+        "cell.tension",
+        "Active tension from a table (.csv), relative to this file, for model = \"given_tension\": a column of times and \
+         one of tension, with their units in the header like time (ms),tension (kPa), or tension over Young's modulus, \
+         tension_over_stiffness. Between rows it is interpolated without overshoot.",
+        ValueKind::File {
+            endings: TENSION_ENDINGS,
+            words: &[],
+            example: "tension.csv",
+            get: |run| run.tension.clone(),
+            set: |run, path| run.tension = Some(path),
+        },
+    )
+    .option_saying(
+        "--tension",
+        "FILE",
+        "Active tension from a table (.csv) for --model given_tension: time (ms),tension (kPa), or \
+         tension_over_stiffness",
+    ),
+    Setting::new(
+        "cell.tension_clock",
+        "From when the times of that table count.",
+        ValueKind::Words {
+            words: TensionClock::WORDS,
+            get: |run| run.tension.is_some().then(|| run.tension_clock.word()),
+            set: |run, word| choose(&mut run.tension_clock, word),
+        },
+    )
+    .option("--tension-clock", "NAME"),
     Setting::quantity(
         "cell.peak_tension",
         "Peak of the active tension of one default beat with the model's published parameters; \

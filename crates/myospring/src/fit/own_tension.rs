@@ -1,0 +1,438 @@
+//! The active tension that a curve asks for, frame by frame.
+//!
+//! Along equilibria the shortening is a monotone function of the tension, `s = f(T)`, which the table of equilibria has. So
+//! each frame has one tension and no parameter is sought:
+//! ```text
+//! s_i = 1 - L_i / L_rest(t_i),   T_i = f^-1(s_i),   sigma_T = sigma_s / f'(T_i)
+//! ```
+//! Rest, drift, noise, artefacts and bad frames of the curve are those of `analysis::curve`. The band is the image of
+//! `s_i -+ t sigma_s`, with Student's `t`, which keeps its 95 % however curved `f` is; `sigma_s` has the noise of a frame and that of its
+//! rest. A cell that is longer than at rest would have to push: its tension counts as 0. Where that is more than noise, the cell
+//! was not without tension before its beat, and no tension is where it is longest.
+//!
+//! The shape of a viscous cell is that of a tension `theta` that lags behind the active one (`cell::tension::lag`), so there
+//! ```text
+//! theta_i = f^-1(s_i),   T = theta + tau dtheta/dt
+//! ```
+//! with a penalised spline for `theta` ([`spline`]).
+
+mod baseline;
+mod beats;
+mod course;
+mod metrics;
+mod spline;
+
+use super::answer::{Estimate, Fit, FittedCurve, Verdict};
+use super::error::FitError;
+use super::fitter::{Fitter, Loaded};
+use super::likelihood::rise_at_ends;
+use super::misfit::Misfit;
+use super::observed::{AT_REST, Observed, Scale, Stimuli};
+use super::repeat::WRITTEN;
+use super::words;
+use crate::analysis::kind::Kind;
+use crate::analysis::monotone::MonotoneCubic;
+use crate::cell::CellModel as _;
+use crate::cell::given_tension::{GivenTension, TensionClock, TensionCourse};
+use crate::cell::pacing::Protocol;
+use crate::cell::tension::lag::Lag;
+use crate::integrate::Method;
+use crate::mechanics::support::SupportKind;
+use crate::settings::{Calibration, Run};
+use crate::simulation::equilibria::TensionResponse;
+use crate::simulation::{Simulation, StretchFelt};
+use baseline::Baseline;
+use beats::analysis;
+use course::NORMAL;
+pub use course::{FILE, MeanBeat, OwnTension, TensionMetric};
+use spline::Spline;
+use std::sync::Arc;
+
+/// Tables are solved for more than the largest shortening that is seen, by this factor.
+const MARGIN: f64 = 1.2;
+/// Part of the frames at rest that noise takes below the band of no tension.
+const BY_CHANCE: f64 = 0.025;
+/// Times the noise that fits into the band that counts as rest, where that band shows all of it.
+const SMALL: f64 = 4.0;
+/// Degrees of freedom of the noise by the median of fourth differences, over the number of frames: 0.62 of their mean square
+/// (see `OF_VARIANCE` of `misfit`), times 0.37, the efficiency of a median.
+const OF_FREEDOM: f64 = 0.23;
+/// A cell is longer than at rest by chance up to this many standard deviations, in the worst of some hundred frames.
+const LONGER: f64 = 2.5;
+/// Steps of the inversion, and the part of the highest tension that ends it.
+const STEPS: usize = 60;
+const AGREED: f64 = 1e-13;
+
+impl Fitter {
+    /// Of a simulation whose own cell model does not matter: its tension is what curves ask for.
+    ///
+    /// # Errors
+    /// A support under which a length does not determine the tension.
+    pub fn of_tension(simulation: Simulation) -> Result<Self, FitError> {
+        if let SupportKind::AfterloadedEnds { .. } = simulation.support {
+            return Err(FitError::Setting {
+                what: "support = \"afterloaded-ends\"",
+                why: "a cell at its stop has one length under many tensions; its own tension cannot be read from it",
+            });
+        }
+        Ok(Self::seeking_tension(simulation))
+    }
+
+    /// The tension that a curve asks for.
+    pub(super) fn own_tension(&self, curves: &[Loaded]) -> Result<Fit, FitError> {
+        let [Loaded { support, observed }] = curves else {
+            return Err(FitError::Setting {
+                what: "several curves of one cell",
+                why: "each has a tension of its own; fit them one by one",
+            });
+        };
+        let simulation = Simulation { support: *support, ..self.simulation().clone() };
+        let seen = Seen::of(observed)?;
+        let most = seen.shortening.iter().copied().fold(0.0, f64::max);
+        let tables = self.shelf().tables(&simulation, (MARGIN * most).clamp(0.02, 0.8), false)?;
+        let response = tables.at(1.0);
+        let own = seen.tension(&response, self.modulus(), simulation.material.retardation_time);
+        Ok(self.fit_of_tension(&seen, own, &response))
+    }
+
+    fn fit_of_tension(
+        &self,
+        seen: &Seen<'_>,
+        own: OwnTension,
+        response: &dyn TensionResponse,
+    ) -> Fit {
+        let Seen { observed, times, values, used, noise, .. } = seen;
+        let acting = own.shaping(self.simulation().material.retardation_time);
+        let fitted: Vec<f64> = times
+            .iter()
+            .map(|time| seen.value(*time, response.shortening(acting.at(*time - times[0]))[0]))
+            .collect();
+        let off = values.iter().zip(&fitted).zip(used).filter(|(_, used)| **used);
+        let off: Vec<f64> = off.map(|((value, fitted), _)| value - fitted).collect();
+        let squares: f64 = off.iter().map(|off| off * off).sum();
+        let residual = (squares / off.len().max(1) as f64).sqrt();
+        let stimuli_ms = observed.stimuli.times().to_vec();
+        let misfit = Misfit::of_residuals(&off, times, values, used, &stimuli_ms);
+        let curve = FittedCurve {
+            name: observed.name.clone(),
+            scale: observed.scale,
+            unit: observed.unit.clone(),
+            times_ms: times.clone(),
+            measured: values.clone(),
+            fitted,
+            used: used.clone(),
+            left_out_ms: observed.gaps(),
+            stimuli_ms,
+            noise: *noise,
+            residual,
+            misfit: misfit.size,
+            frames_together: misfit.together,
+            unexplained: misfit.unexplained,
+        };
+        let estimates = own.metrics.iter().map(TensionMetric::estimate).collect();
+        let mut fit = Fit {
+            verdict: curve.verdict(),
+            estimates,
+            correlations: None,
+            correlated: Vec::new(),
+            reduced_chi_squared: squares / (noise * noise) / off.len().max(1) as f64,
+            curves: vec![curve],
+            verdicts: Vec::new(),
+            agreeing_starts: [1, 1],
+            starts: vec![residual / noise],
+            variance_factor: 1.0,
+            rise_at_ends: NORMAL * NORMAL,
+            beats_before: 0,
+            evaluations: times.len(),
+            own_tension: Some(own),
+        };
+        fit.verdicts = words::of_own_tension(&fit, self.modulus());
+        fit
+    }
+}
+
+impl OwnTension {
+    /// The tension that shapes the cell at a time since the first frame: the active one, or what lags behind it.
+    fn shaping(&self, retardation_ms: f64) -> MonotoneCubic {
+        let Self { times_ms, tension_kpa, .. } = self;
+        let lag = Lag::by(retardation_ms);
+        let mut theta = tension_kpa.clone();
+        for at in 1..theta.len() {
+            let over = times_ms[at] - times_ms[at - 1];
+            theta[at] = lag.over_line(over, theta[at - 1], [tension_kpa[at - 1], tension_kpa[at]]);
+        }
+        MonotoneCubic::new(times_ms.clone(), theta)
+    }
+
+    /// The run that repeats the curve: it reads the tension from `tension.csv`, which is the caller's to write.
+    pub(super) fn run(&self, mut run: Run, fit: &Fit) -> Result<Run, FitError> {
+        let course = TensionCourse::new(&self.times_ms, &self.tension_kpa)
+            .map_err(|cause| FitError::NoCourse { cause })?;
+        let given = GivenTension::example().with_course(course, TensionClock::Run);
+        run.protocol = Protocol::once(given.default_stimulus());
+        run.numerics.cell = given.usual_settings();
+        run.numerics.method = Method::QuasiStatic;
+        run.cell = Arc::new(given);
+        (run.tension, run.tension_clock) = (Some(FILE.to_owned()), TensionClock::Run);
+        (run.calcium, run.calibration) = (None, Calibration::default());
+        (run.steady_state, run.stretch_felt) = (None, StretchFelt::Cell);
+        for curve in &fit.curves {
+            let (first, start) = (curve.times_ms[0], curve.stimuli_ms[0]);
+            let last = curve.stimuli_ms[curve.stimuli_ms.len() - 1];
+            run.protocol.start_ms = (start - first).max(0.0);
+            run.protocol.beats = curve.stimuli_ms.len() as u32;
+            if curve.stimuli_ms.len() > 1 {
+                let cycle = (last - start) / (curve.stimuli_ms.len() - 1) as f64;
+                run.protocol.cycle_length_ms = (cycle * WRITTEN).round() / WRITTEN;
+            }
+            let end = curve.times_ms[curve.times_ms.len() - 1];
+            run.duration = (end - first).max(1.0).ceil();
+        }
+        Ok(run)
+    }
+}
+
+/// Standard deviation of the noise of a frame, from that which the whole curve shows: where it is small against the band
+/// that counts as rest, the frames within that band tell it without the bends of the beats.
+fn noise(observed: &Observed, whole: f64) -> f64 {
+    match observed.frames() {
+        Ok(frames) if SMALL * whole < AT_REST * frames.reach.abs() => frames.noise.min(whole),
+        _ => whole,
+    }
+}
+
+/// Standard deviations from the middle of a 95 % band to its ends, of noise that so many frames tell.
+fn normal(frames: usize) -> f64 {
+    rise_at_ends((OF_FREEDOM * frames as f64).max(2.0)).sqrt()
+}
+
+/// A curve as shortening, with its rest.
+struct Seen<'a> {
+    observed: &'a Observed,
+    /// All frames with a value, ms.
+    times: Vec<f64>,
+    values: Vec<f64>,
+    /// Whether each counts; the others are single bad frames.
+    used: Vec<bool>,
+    /// Standard deviation of the noise of a frame, in the curve's unit.
+    noise: f64,
+    baseline: Baseline,
+    /// Shortening of each frame, a part of the length at rest, and its standard deviation.
+    shortening: Vec<f64>,
+    deviation: Vec<f64>,
+    /// Frames that are longer than before their beat, and by how much the length without tension is above that before a
+    /// beat, a part of it: 0 where noise explains these frames.
+    longer: usize,
+    raised: f64,
+}
+
+impl<'a> Seen<'a> {
+    fn of(observed: &'a Observed) -> Result<Self, FitError> {
+        if observed.scale == Scale::Arbitrary {
+            return Err(FitError::NoHeight { name: observed.name.clone() });
+        }
+        let known = observed.times_ms.iter().zip(&observed.values);
+        let (times, values): (Vec<f64>, Vec<f64>) = known
+            .filter(|(_, value)| value.is_finite())
+            .map(|(time, value)| (*time, *value))
+            .unzip();
+        let sign = if observed.scale == Scale::Length { -1.0 } else { 1.0 };
+        let upwards: Vec<f64> = values.iter().map(|value| sign * value).collect();
+        let analysis = analysis(&times, &upwards, Kind::Contraction, &observed.stimuli)
+            .map_err(|cause| FitError::Curve { name: observed.name.clone(), cause })?;
+        let mut used = vec![true; times.len()];
+        for frame in &analysis.treatment.bad_frames {
+            used[frame - 1] = false;
+        }
+        for artefact in &analysis.treatment.artefacts {
+            used[artefact.frames[0] - 1..artefact.frames[1]].fill(false);
+        }
+        let range = upwards.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+            - upwards.iter().copied().fold(f64::INFINITY, f64::min);
+        let noise = noise(observed, analysis.treatment.noise).max(1e-12 * range);
+        let baseline = Baseline::of(&times, &values, &used, &analysis, noise)
+            .ok_or_else(|| FitError::NoBeat { name: observed.name.clone() })?;
+        let (mut shortening, mut deviation) = (Vec::new(), Vec::new());
+        for (time, value) in times.iter().zip(&values) {
+            let [rest, of_rest] = baseline.at(*time);
+            let both = noise.hypot(of_rest);
+            let (of, scale) = match observed.scale {
+                Scale::Length => (1.0 - value / rest, rest.abs()),
+                _ => ((value - rest) / 100.0, 100.0),
+            };
+            shortening.push(of);
+            deviation.push(both / scale);
+        }
+        let longer = (0..times.len()).filter(|&at| used[at] && shortening[at] < 0.0).count();
+        let (longer, raised) = (longer, 0.0);
+        let mut seen = Self {
+            observed,
+            times,
+            values,
+            used,
+            noise,
+            baseline,
+            shortening,
+            deviation,
+            longer,
+            raised,
+        };
+        seen.raise();
+        Ok(seen)
+    }
+
+    /// A cell that is longer than before its beat, more often than by chance, was not without tension then: no tension is
+    /// where it is longest, and all shortening counts from there.
+    fn raise(&mut self) {
+        let used: Vec<usize> = (0..self.times.len()).filter(|&at| self.used[at]).collect();
+        let below = |at: usize, by: f64| -self.shortening[at] - by * self.deviation[at];
+        let far = used.iter().filter(|&&at| below(at, NORMAL) > 0.0).count() as f64;
+        let chance = BY_CHANCE * used.len() as f64;
+        if far <= chance + 3.0 * chance.sqrt().max(1.0) {
+            return;
+        }
+        self.raised = used.iter().map(|&at| below(at, LONGER)).fold(0.0, f64::max);
+        for at in 0..self.times.len() {
+            self.shortening[at] = (self.shortening[at] + self.raised) / (1.0 + self.raised);
+            self.deviation[at] /= 1.0 + self.raised;
+        }
+    }
+
+    /// A shortening as the curve would show it.
+    fn value(&self, time: f64, shortening: f64) -> f64 {
+        let [rest, _] = self.baseline.at(time);
+        let shortening = shortening * (1.0 + self.raised) - self.raised;
+        match self.observed.scale {
+            Scale::Length => rest * (1.0 - shortening),
+            _ => rest + 100.0 * shortening,
+        }
+    }
+
+    fn tension(
+        &self,
+        response: &dyn TensionResponse,
+        young_modulus_kpa: f64,
+        retardation_ms: f64,
+    ) -> OwnTension {
+        let [most, _] = response.shortening(response.highest());
+        let used = || (0..self.times.len()).filter(|&at| self.used[at]);
+        let inverse = Inverse::of(response);
+        let at = |shift: f64| -> Vec<f64> {
+            used().map(|at| inverse.at(self.shortening[at] + shift * self.deviation[at])).collect()
+        };
+        let normal = normal(self.times.len());
+        let theta = at(0.0);
+        let slope = |(at, tension): (usize, &f64)| {
+            self.deviation[at] / response.shortening(tension.max(0.0))[1]
+        };
+        let deviation: Vec<f64> = used().zip(&theta).map(slope).collect();
+        let times_ms: Vec<f64> = used().map(|at| self.times[at] - self.times[0]).collect();
+        let (unclipped_kpa, standard_deviation_kpa, ends) = if retardation_ms > 0.0 {
+            let spline = Spline::through(&times_ms, &theta, &deviation);
+            let found = times_ms.iter().map(|time| spline.at(*time, retardation_ms));
+            let (found, deviation): (Vec<f64>, Vec<f64>) = found.map(|[a, b]| (a, b)).unzip();
+            let end = |by: f64| found.iter().zip(&deviation).map(|(t, d)| t + by * d).collect();
+            let ends: [Vec<f64>; 2] = [end(-normal), end(normal)];
+            (found, deviation, ends)
+        } else {
+            (theta, deviation, [at(-normal), at(normal)])
+        };
+        let clipped =
+            |end: Vec<f64>| end.into_iter().map(|tension| tension.max(0.0)).collect::<Vec<f64>>();
+        let band_kpa = ends.map(clipped);
+        let mut own = OwnTension {
+            times_ms,
+            tension_kpa: unclipped_kpa.iter().map(|tension| tension.max(0.0)).collect(),
+            standard_deviation_kpa,
+            band_kpa,
+            young_modulus_kpa,
+            clipped: unclipped_kpa.iter().filter(|tension| **tension < 0.0).count(),
+            longer_than_before: self.longer,
+            rest_raised: self.raised,
+            unclipped_kpa,
+            too_short: used().filter(|&at| self.shortening[at] > most).count(),
+            mean_beat: None,
+            metrics: Vec::new(),
+        };
+        own.read_beats(&self.stimuli());
+        own
+    }
+
+    /// Stimuli since the first frame.
+    fn stimuli(&self) -> Stimuli {
+        match &self.observed.stimuli {
+            Stimuli::Given(times) => {
+                Stimuli::Given(times.iter().map(|time| time - self.times[0]).collect())
+            }
+            seen @ Stimuli::Seen(_) => seen.clone(),
+        }
+    }
+}
+
+/// The tension of a shortening: the inverse of [`TensionResponse::shortening`].
+struct Inverse<'a> {
+    response: &'a dyn TensionResponse,
+    highest: f64,
+    /// Shortening under the highest tension, and its slope there.
+    end: [f64; 2],
+    /// Slope without tension.
+    first: f64,
+}
+
+impl<'a> Inverse<'a> {
+    fn of(response: &'a dyn TensionResponse) -> Self {
+        let highest = response.highest();
+        let [_, first] = response.shortening(0.0);
+        Self { response, highest, end: response.shortening(highest), first }
+    }
+
+    /// Past either end on a straight line.
+    fn at(&self, shortening: f64) -> f64 {
+        let Self { response, highest, end: [most, last], first } = *self;
+        if shortening <= 0.0 {
+            return shortening / first;
+        }
+        if shortening >= most {
+            return highest + (shortening - most) / last;
+        }
+        let (mut low, mut high) = (0.0, highest);
+        let mut tension = (shortening / first).min(0.5 * highest);
+        // Newton's method, kept between two tensions that are too low and too high.
+        for _ in 0..STEPS {
+            let [found, slope] = response.shortening(tension);
+            let miss = found - shortening;
+            if miss > 0.0 {
+                high = tension;
+            } else {
+                low = tension;
+            }
+            let mut next = tension - miss / slope;
+            if !(low < next && next < high) {
+                next = f64::midpoint(low, high);
+            }
+            let step = (next - tension).abs();
+            tension = next;
+            if step <= AGREED * highest {
+                break;
+            }
+        }
+        tension
+    }
+}
+
+impl TensionMetric {
+    /// As an estimate of a fit.
+    fn estimate(&self) -> Estimate {
+        Estimate {
+            name: self.name.to_owned(),
+            unknown: None,
+            unit: self.unit.to_owned(),
+            value: self.value,
+            interval: self.interval.map(Some),
+            standard_deviation: Some(self.standard_deviation),
+            bounds: self.interval,
+            profile: Vec::new(),
+            verdict: Verdict::Determined,
+        }
+    }
+}
