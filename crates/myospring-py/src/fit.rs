@@ -5,7 +5,9 @@ use crate::experiment::{self, Progress};
 use crate::tension_map::TensionMap;
 use crate::waiting::interruptible;
 use crate::{beat, errors, settings, words};
-use myospring::experiment::fit::{FitCell, Fits, FittableCell, Shapes, between_springs, of_table, seeks_tension};
+use myospring::experiment::fit::{
+    FitCell, Fits, FittableCell, Shapes, between_springs, of_table, seeks_tension,
+};
 use myospring::experiment::{BeatOptions, ExperimentError, Files};
 use myospring::fit::{Fit, FitOptions};
 use myospring::measured::{self, Column, Curve, Kind, ReadError, TableOptions};
@@ -154,7 +156,8 @@ impl Fitter {
             between_springs(stiffness, &self::curve(curve)?, &beats).map_err(failed)
         };
         let loaded = loaded.into_iter().map(between).collect::<PyResult<_>>()?;
-        let cell = FittableCell::new(run, made, seeks_tension, &asked.sought(), (beats.clone(), loaded));
+        let cell =
+            FittableCell::new(run, made, seeks_tension, &asked.sought(), (beats.clone(), loaded));
         Ok(Self { cell: cell.map_err(failed)?, stop: Arc::default() })
     }
 

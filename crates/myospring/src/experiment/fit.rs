@@ -91,7 +91,13 @@ impl FitCell {
         let made = run.make(shaped, |file| files.bytes(file))?;
         run.fibre = made.fibres.taken;
         let (report, outline) = (made.report.clone(), made.outline.clone());
-        let cell = FittableCell::new(run, made, seeks_tension, &self.sought, (self.beats.clone(), loaded))?;
+        let cell = FittableCell::new(
+            run,
+            made,
+            seeks_tension,
+            &self.sought,
+            (self.beats.clone(), loaded),
+        )?;
         let (threads, files) = (self.threads, files.clone());
         let work = Work { cell, report, outline, curves, own, threads, files };
         Ok(PreparedFit { name, stem, film, work: Some(work), notes })

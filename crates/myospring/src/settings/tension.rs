@@ -112,17 +112,18 @@ fn of_table(
         read.curves.iter().filter(|curve| curve.kind == Kind::Tension).collect();
     let serves = |curve: &&&Curve| curve.unit == "kPa" || is_over_stiffness(curve);
     let Some(curve) = tensions.iter().find(serves) else {
-        return Err(table(match tensions.first() {
-            Some(other) => format!(
-                "the column `{}` has no known unit; name it `tension (kPa)` or `tension_over_stiffness`",
-                other.name
-            ),
-            None => {
-                let names = read.curves.iter().map(|curve| format!("`{}`", curve.name));
-                let names: Vec<String> = names.collect();
-                format!("it has no column of tension, only of {}", names.join(", "))
-            }
-        }));
+        let Some(other) = tensions.first() else {
+            let names = read.curves.iter().map(|curve| format!("`{}`", curve.name));
+            let names: Vec<String> = names.collect();
+            return Err(table(format!(
+                "it has no column of tension, only of {}",
+                names.join(", ")
+            )));
+        };
+        return Err(table(format!(
+            "the column `{}` has no known unit; name it `tension (kPa)` or `tension_over_stiffness`",
+            other.name
+        )));
     };
     let mut remarks = Vec::new();
     if tensions.len() > 1 {

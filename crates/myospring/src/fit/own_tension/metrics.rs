@@ -8,7 +8,7 @@ use crate::analysis::monotone::MonotoneCubic;
 use crate::analysis::{Spread, value};
 use crate::fit::likelihood::rise_at_ends;
 use crate::fit::observed::Stimuli;
-use crate::study::sampling::{Distribution, Sampler, sample};
+use crate::study::sampling::{Distribution, ParameterSample, Sampler, sample};
 
 /// The metrics that are stated, where a tension has them.
 const STATED: [&str; 8] = [
@@ -84,7 +84,7 @@ impl OwnTension {
         let frames = vec![normal; self.times_ms.len()];
         let draws = sample(&Sampler::LatinHypercube { size: COPIES }, &frames, SEED);
         let mut copies: Vec<Analysis> = Vec::new();
-        for draw in draws.iter().flat_map(|draws| draws.iter()) {
+        for draw in draws.iter().flat_map(ParameterSample::iter) {
             let noise = draw.iter().zip(&self.standard_deviation_kpa);
             let copy = found.read.iter().zip(noise).map(|(at, (draw, sigma))| at + draw * sigma);
             let copy: Vec<f64> = copy.collect();
