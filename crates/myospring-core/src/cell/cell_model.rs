@@ -10,7 +10,7 @@ use super::calcium::{Calcium, CalciumTrace};
 use super::description::{
     Gate, Input, KnownDeparture, ModelError, Output, StateVariable, Stimulation, TensionKind,
 };
-use super::given_tension::GivenTension;
+use super::given_tension::{TensionClock, TensionCourse};
 use super::land_2017::Myofilaments;
 use super::pacing::{Protocol, Stimulus};
 use super::settings::{CellMethod, SolveError, SolverSettings, validate_time};
@@ -117,8 +117,17 @@ pub trait CellModel: Any + Send + Sync {
     fn with_calcium(&self, _course: &CalciumTrace) -> Option<Arc<dyn CellModel>> {
         None
     }
-    /// Its prescribed tension; `None` by default, for models that compute it.
-    fn given_tension(&self) -> Option<&GivenTension> {
+    /// The same model with this prescribed tension; `None` by default, for models that compute it.
+    fn with_tension(
+        &self,
+        _course: &TensionCourse,
+        _clock: TensionClock,
+    ) -> Option<Arc<dyn CellModel>> {
+        None
+    }
+    /// The greatest value of its prescribed tension, kPa; `None` by default, for models that compute
+    /// their tension.
+    fn given_peak(&self) -> Option<f64> {
         None
     }
     /// The myofilaments of `land_2017` among its states; `None` by default.

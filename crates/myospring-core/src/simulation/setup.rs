@@ -3,7 +3,6 @@
 use super::check::check_strongest;
 use super::{SetupError, Simulation};
 use crate::analysis::shape::{self, ShapeMeter};
-use crate::cell::given_tension::GivenTension;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::{self, SolveError};
 use crate::cell::{self, TensionKind};
@@ -188,8 +187,7 @@ impl Simulation {
         };
         Ok(match self.cell.tension_kind() {
             TensionKind::Kilopascal => {
-                let given = self.cell.given_tension().map(GivenTension::peak);
-                let strongest = given.map_or_else(own, Ok)?;
+                let strongest = self.cell.given_peak().map_or_else(own, Ok)?;
                 Strength { scale: 1.0, strongest, relative: 1.0 }
             }
             TensionKind::None => {

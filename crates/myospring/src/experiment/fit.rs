@@ -152,9 +152,7 @@ impl FitCell {
 pub fn seeks_tension(settings: &mut Vec<ChosenSetting>) -> bool {
     let is_given = |(setting, value): &ChosenSetting| {
         let model = value.as_text().filter(|_| setting.key == "cell.model");
-        model.is_some_and(|name| {
-            cells::model(name).is_ok_and(|model| model.given_tension().is_some())
-        })
+        model.is_some_and(|name| cells::model(name).is_ok_and(|model| model.given_peak().is_some()))
     };
     let has_table = settings.iter().any(|(setting, _)| setting.key == "cell.tension");
     let seeks = !has_table && settings.iter().any(is_given);

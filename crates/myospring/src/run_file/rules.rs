@@ -82,7 +82,7 @@ pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
             [
                 own(has_own_tension, &OF_RELATIVE_TENSION),
                 own(is_prescribed, &OF_MEMBRANE),
-                own(|cell| cell.given_tension().is_none(), &OF_GIVEN_TENSION),
+                own(|cell| cell.given_peak().is_none(), &OF_GIVEN_TENSION),
             ]
             .concat()
         }
@@ -164,7 +164,7 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
             effect, so leave this setting out";
         return exclude("cell.model", second, advice);
     }
-    match run.cell.given_tension() {
+    match run.cell.given_peak() {
         Some(_) if !file.has("cell.tension") => {
             let reason = "given_tension beats by the tension of a table; give tension = \"FILE.csv\", or --tension FILE.csv";
             return Err((

@@ -425,7 +425,7 @@ impl Run {
             ));
         }
         let is_prescribed = self.cell.stimulation().moves.is_empty();
-        if s2_interval_ms.is_some() && is_prescribed && self.cell.given_tension().is_none() {
+        if s2_interval_ms.is_some() && is_prescribed && self.cell.given_peak().is_none() {
             warnings.push(format!(
                 "the calcium of {} is prescribed and restarts at S2 with full size, however early S2 comes: \
                  S2 changes only the myofilaments; tor_ord_land computes calcium",

@@ -85,9 +85,9 @@ pub(super) fn with_tension(
     }
     let warning = (!remarks.is_empty()).then(|| remarks.join("; "));
     let model = cell
-        .given_tension()
+        .with_tension(&course, clock)
         .ok_or_else(|| TensionError::Model { model: cell.name().to_owned() })?;
-    Ok((Arc::new(model.with_course(course, clock)), warning))
+    Ok((model, warning))
 }
 
 fn is_over_stiffness(curve: &Curve) -> bool {
@@ -185,7 +185,7 @@ mod tests {
             "t_ms,length_um,ta_kPa\n0,120,0\n100,110,20\n400,120,0\n",
         ] {
             let (model, told) = read(text).unwrap_or_else(|error| panic!("{text}: {error}"));
-            let peak = model.given_tension().unwrap().peak();
+            let peak = model.given_peak().unwrap();
             assert!((peak - 20.0).abs() < 1e-12 && told.is_none(), "{text}: {peak}, {told:?}");
         }
     }

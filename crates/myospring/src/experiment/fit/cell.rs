@@ -32,7 +32,7 @@ pub struct FittedCell {
 }
 
 impl FittableCell {
-    /// A cell whose run is made; `seeks_tension` fits no parameter, but the tension itself ([`super::seeks_tension`]). `own`
+    /// A cell whose run is made; `seeks_tension` fits no parameter, but the tension itself. `own`
     /// is when it was stimulated, and curves of it between springs.
     ///
     /// # Errors
