@@ -206,7 +206,7 @@ mod tests {
             (&["fitt"], "did you mean `fit`?"),
             (&["--model", "land_2017"], "write myospring run --model"),
             (&["--frame-rate=30", "a.avi"], "write myospring track --frame-rate"),
-            (&["land_2017"], "`myospring run --model land_2017` beats"),
+            (&["land_2017"], "`myospring run --model land_2017` simulates"),
             (&["nowhere.tif"], "no file or folder of this name"),
         ] {
             let refused = refusal(words).unwrap_or_default();

@@ -122,7 +122,8 @@ fn every_example_that_the_pages_name_is_there() {
                 after.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
             let file = format!("{name}.rs");
             let is_there = folders.iter().any(|folder| root().join(folder).join(&file).exists());
-            assert!(name.is_empty() || is_there, "{}: {name}", path.display());
+            // A placeholder has one letter.
+            assert!(name.len() < 2 || is_there, "{}: {name}", path.display());
         }
     }
 }

@@ -9,7 +9,7 @@ use myospring::mesh::outline::Outline;
 use myospring::mesh::quality::outline_dimensions;
 use myospring::recording::Recording;
 use myospring::run_file::{PRESETS, RunFile, schema, template};
-use myospring::settings::Value;
+use myospring::settings::{Places, Value};
 use myospring::simulation::Simulation;
 use std::path::{Path, PathBuf};
 
@@ -144,9 +144,22 @@ fn every_commented_key_of_the_template_is_valid_where_it_stands() {
 #[test]
 fn defaults_are_those_of_the_simulation() {
     let run = RunFile::default().resolve().unwrap();
-    assert_eq!(run.numerics, myospring::simulation::Numerics::default());
-    assert_eq!(run.material, myospring::mechanics::material::default_material());
-    assert_eq!((run.peak_tension, run.duration), (50.0, 600.0));
+    let mesh = || myospring::mesh::lattice::rectangle(8, 2, 5.0).unwrap();
+    let usual = Simulation::new(mesh());
+    let fibres = usual.fibres.clone();
+    let places = Places { fibres, myofibril_content: None, resting_stretch: None };
+    let made = run.simulation(mesh(), places);
+    let of = |simulation: &Simulation| {
+        let Simulation { protocol, material, active, support, numerics, .. } = simulation;
+        let Simulation { peak_tension, end_stretch, duration, .. } = simulation;
+        let Simulation { stretch_felt, wave_speed, start_state, .. } = simulation;
+        let cell = (simulation.cell.name().to_owned(), simulation.cell.parameters().clone());
+        let numbers = (*peak_tension, *end_stretch, *duration, *stretch_felt, *wave_speed);
+        let laws = (material.clone(), *active, *support, numerics.clone());
+        (cell, *protocol, start_state.clone(), numbers, laws)
+    };
+    assert_eq!(of(&made), of(&usual));
+    assert_eq!((&made.long_axis, &made.fibres), (&usual.long_axis, &usual.fibres));
     assert_eq!(run.stimulus_times(), [50.0]);
 }
 

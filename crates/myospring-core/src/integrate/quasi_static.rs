@@ -331,7 +331,7 @@ fn ending<const D: usize>(
     place: Option<WeakPlace>,
 ) -> PathError {
     match failure {
-        Failure::Indefinite | Failure::NoRest if tension <= 0.0 => PathError::AtRest { place },
+        Failure::Indefinite | Failure::NoRest if tension == 0.0 => PathError::AtRest { place },
         Failure::Indefinite => PathError::Unstable { tension, beyond, place },
         Failure::NoRest => PathError::Lost { tension, beyond, place },
         Failure::TooLarge => PathError::TooLarge { masses: body.len() },

@@ -173,7 +173,7 @@ impl OwnTension {
         run.numerics.cell = given.usual_settings();
         run.numerics.method = Method::QuasiStatic;
         run.cell = Arc::new(given);
-        (run.tension, run.tension_clock) = (Some(FILE.to_owned()), TensionClock::Run);
+        (run.tension, run.tension_clock) = (Some(FILE.to_owned()), Some(TensionClock::Run));
         (run.calcium, run.calibration) = (None, Calibration::default());
         (run.steady_state, run.stretch_felt) = (None, StretchFelt::Cell);
         for curve in &fit.curves {

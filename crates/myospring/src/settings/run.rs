@@ -49,8 +49,8 @@ pub struct Run {
     pub calibration: Calibration,
     /// The table of a prescribed tension, as written, if given.
     pub tension: Option<String>,
-    /// From when the times of that table count.
-    pub tension_clock: TensionClock,
+    /// From when the times of that table count; `None` is from each stimulus.
+    pub tension_clock: Option<TensionClock>,
     /// Largest change over ten beats at which pacing before the run ends; `None` starts from the
     /// model's initial state.
     pub steady_state: Option<f64>,
@@ -165,7 +165,7 @@ impl Run {
             calcium: None,
             calibration: Calibration::default(),
             tension: None,
-            tension_clock: TensionClock::default(),
+            tension_clock: None,
             steady_state: None,
             steady_state_cache: String::new(),
             peak_tension: PEAK_TENSION,
@@ -311,7 +311,8 @@ impl Run {
         match (&self.calcium, &self.tension) {
             (Some(path), _) => Ok(calcium::with_calcium(&self.cell, path, self.calibration, read)?),
             (None, Some(path)) => {
-                let (clock, modulus) = (self.tension_clock, self.material.young_modulus());
+                let (clock, modulus) =
+                    (self.tension_clock.unwrap_or_default(), self.material.young_modulus());
                 Ok(tension::with_tension(&self.cell, path, clock, modulus, read)?)
             }
             (None, None) => Ok((Arc::clone(&self.cell), None)),

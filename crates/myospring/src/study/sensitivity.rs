@@ -135,7 +135,7 @@ mod tests {
         assert_eq!((found.used, found.left_out), (255, 1));
         assert_eq!((found.first, found.total), (fewer.first, fewer.total));
         let error = |answers: &[f64]| sobol(answers, 3, false, 1).unwrap_err().to_string();
-        assert!(error(&answers[1..]).contains("1279 answers are no whole number of base points"));
+        assert!(error(&answers[1..]).contains("1279 answers are not a multiple of 5"));
         assert!(error(&[f64::NAN; 10]).contains("only 0 of 2 base points"));
         assert!(error(&[3.0; 20]).contains("all answers are 3"));
     }

@@ -121,8 +121,8 @@ pub(super) const ROWS: &[Setting] = &[
         "From when the times of that table count.",
         ValueKind::Words {
             words: TensionClock::WORDS,
-            get: |run| run.tension.is_some().then(|| run.tension_clock.word()),
-            set: |run, word| choose(&mut run.tension_clock, word),
+            get: |run| run.tension_clock.map(|clock| clock.word()),
+            set: |run, word| choose(run.tension_clock.insert(TensionClock::default()), word),
         },
     )
     .option("--tension-clock", "NAME"),
