@@ -349,8 +349,10 @@ fn the_tension_of_a_run_given_again_makes_the_same_curve() {
             ..Protocol::once(simulation.cell.default_stimulus())
         };
         simulation.duration = 1400.0;
-        simulation.numerics.method = Method::QuasiStatic;
-        let first = run(&simulation);
+        let along = |simulation: &Simulation| {
+            simulation.run_quasi_static(Tolerance::default(), |_| true).unwrap()
+        };
+        let first = along(&simulation);
         let samples = &first.recording.samples;
         let times: Vec<f64> = samples.iter().map(|sample| sample.t_ms).collect();
         let tensions: Vec<f64> = samples.iter().map(|sample| sample.ta_kpa).collect();
@@ -358,7 +360,7 @@ fn the_tension_of_a_run_given_again_makes_the_same_curve() {
         let given = GivenTension::example().with_course(course, TensionClock::Run);
         simulation.numerics.cell = given.usual_settings();
         simulation.cell = Arc::new(given);
-        let again = run(&simulation);
+        let again = along(&simulation);
         let of_path = |outcome: &Outcome| {
             let Effort::QuasiStatic { interpolation_error_um, .. } = outcome.effort else {
                 panic!("{:?}", outcome.effort)
