@@ -238,11 +238,11 @@ def simulate(
     cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
         Integration method of the cell model, with fixed or adaptive steps.
     cell_step_ms : float or None
-        Largest time step of the cell model, for a method with fixed steps. In ms, 0.00001 ms to 1
-        ms. None: suited to the cell model: 0.005 ms, for land_2017 0.05 ms.
+        Largest time step of the cell model, for a method with fixed steps. In ms, 1e-5 ms to 1 ms.
+        None: suited to the cell model: 0.005 ms, for land_2017 0.05 ms.
     cell_tolerance : float or None
         Largest error of a step relative to the size of each variable, for a method with adaptive
-        steps. 0.0000000001 to 0.01. None: 0.00001.
+        steps. 1e-10 to 0.01. None: 0.00001.
     stimulus_kind : {"jump", "pulse"} or None
         A jump of the potential variable, or a pulse of current. None: the cell model's own.
     stimulus_amplitude : float or str or None
@@ -264,8 +264,8 @@ def simulate(
     steady_state : float or None
         Pace the cell model alone at this cycle length before the run, until no state changes by
         more than this over ten beats, relative to its size within a beat; the run's first beat is
-        then the next one of that train. 0.000001 to 0.1. None: the run starts from the model's
-        initial state.
+        then the next one of that train. 1e-6 to 0.1. None: the run starts from the model's initial
+        state.
     steady_state_cache : str, default ""
         Folder in which steady states are stored for other runs with the same model, parameters and
         pacing; empty for none.
@@ -347,7 +347,7 @@ def simulate(
         states the one used.
     time_step_ms : float or None
         Mechanical time step; a step above the stability limit is an error. Not for "quasi-static".
-        In ms, 0.0000001 ms to 10 ms. None: 0.95 of the stability limit.
+        In ms, 1e-7 ms to 10 ms. None: 0.95 of the stability limit.
     exchange_interval_ms : float, default 0.25
         Interval at which cell model and mesh exchange tension and stretch. In ms, 0.001 ms to 10
         ms.
@@ -485,11 +485,11 @@ def action_potential(
     cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
         Integration method of the cell model, with fixed or adaptive steps.
     cell_step_ms : float or None
-        Largest time step of the cell model, for a method with fixed steps. In ms, 0.00001 ms to 1
-        ms. None: suited to the cell model: 0.005 ms, for land_2017 0.05 ms.
+        Largest time step of the cell model, for a method with fixed steps. In ms, 1e-5 ms to 1 ms.
+        None: suited to the cell model: 0.005 ms, for land_2017 0.05 ms.
     cell_tolerance : float or None
         Largest error of a step relative to the size of each variable, for a method with adaptive
-        steps. 0.0000000001 to 0.01. None: 0.00001.
+        steps. 1e-10 to 0.01. None: 0.00001.
     authors_step : bool, default False
         Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); its
         peak tension is 4 % low, its onset 20 ms late. Not together with method or step.

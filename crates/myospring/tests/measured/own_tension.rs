@@ -171,7 +171,7 @@ fn the_true_tension_lies_in_its_band_whatever_the_frame_rate_and_the_noise() {
             }
             let part = sum[0] as f64 / sum[1] as f64;
             println!("{rate} frames/s, noise {noise}: {:.1} % of {}", 100.0 * part, sum[1]);
-            // Some ninety frames tell a large noise badly: a known weakness (docs/reference/accuracy.md).
+            // Twelve curves of ninety frames scatter: 90.2 % where 72 have 94.7 (docs/reference/accuracy.md).
             let least = if rate < 60.0 && noise > 0.05 { 0.88 } else { 0.92 };
             if !(least..0.98).contains(&part) {
                 refused.push(format!("{rate}/s, {noise}: {part}"));
