@@ -90,6 +90,8 @@ pub(super) fn of_cell(
     settings: &FibreSettings,
     interruption: &Interruption,
 ) -> Result<Option<Stripes>, Interrupted> {
+    // Of a large picture the window alone takes most of a second.
+    interruption.check()?;
     let side = ((ENOUGH_UM / pixel_um) as usize).max(1);
     let cut = Cut {
         side,
