@@ -18,7 +18,7 @@ pub(super) fn spacing(mesh: &Mesh) -> f64 {
     mesh.lattice.as_ref().map_or(mean, |lattice| lattice.spacing)
 }
 
-/// The springs of one kind in every so many rows and columns of a lattice, as lines; `at` is where a point is drawn.
+/// Lines along the springs of one kind, in every n-th row and column of a lattice; `at` is where a point is drawn.
 pub(super) fn springs(
     mesh: &Mesh,
     kind: SpringKind,

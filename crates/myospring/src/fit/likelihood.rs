@@ -50,7 +50,7 @@ pub(super) fn covariance(problem: &Problem<'_>, least: &Least) -> Option<Vec<Vec
 }
 
 /// Rise of chi squared at the ends of a 95 % interval, in units of the variance of a residual,
-/// which was estimated with so many degrees of freedom: the square of Student's quantile, 3.84 for
+/// which was estimated with `freedom` degrees of freedom: the square of Student's quantile, 3.84 for
 /// many.
 pub(super) fn rise_at_ends(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom)

@@ -201,7 +201,7 @@ fn noise(observed: &Observed, whole: f64) -> f64 {
     }
 }
 
-/// Standard deviations from the middle of a 95 % band to its ends, of noise that so many frames tell.
+/// Half the width of a 95 % band in standard deviations of the noise, which was estimated from this number of frames.
 fn normal(frames: usize) -> f64 {
     rise_at_ends((OF_FREEDOM * frames as f64).max(2.0)).sqrt()
 }

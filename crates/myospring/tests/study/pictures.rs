@@ -92,7 +92,7 @@ fn a_table_gives_each_picture_its_settings_however_a_spreadsheet_writes_it() {
     // An option's short name is a column, too.
     let content = pictures("file,pixel_size,content\na.png,0.27,picture\n").remove(0).given;
     assert_eq!(content[1].key, "mechanics.myofibril_content");
-    // What is left empty is left to the options; a seed has a comma of its own.
+    // The options decide about empty fields. A seed contains a comma itself.
     let seeds = "file,pixel_size,seed,group\nb.png,,\"12,30\",x\nb.png,,\"40,60\",\n";
     let seeds = pictures(seeds);
     let names: Vec<&str> = seeds.iter().map(Member::name).collect();
