@@ -6,7 +6,7 @@ use crate::tension_map::TensionMap;
 use crate::waiting::interruptible;
 use crate::{beat, errors, settings, words};
 use myospring::experiment::fit::{
-    FitCell, Fits, FittableCell, Shapes, between_springs, of_table, seeks_tension,
+    FitCell, Fits, FittableCell, Models, Shapes, between_springs, of_table, seeks_tension,
 };
 use myospring::experiment::{BeatOptions, ExperimentError, Files};
 use myospring::fit::{Fit, FitOptions};
@@ -145,19 +145,34 @@ impl Fitter {
         asked: Asked,
         loaded: Vec<(f64, Measured)>,
     ) -> PyResult<Self> {
+        const MODEL: &str = "cell.model";
         let mut file = cell.0.file.clone();
         let mut settings = settings::list(given)?;
         let seeks_tension = seeks_tension(&mut settings);
         settings::put_all(py, &mut file, settings)?;
-        let (run, made) = beat::make(py, &cell.0, &file)?;
         let failed = |error: ExperimentError| errors::of_experiment(&error);
+        let models = if seeks_tension {
+            Models::Tension
+        } else if file.has(MODEL) {
+            Models::OfRun
+        } else {
+            let resolve = |name: &str| {
+                let mut file = file.clone();
+                let run = file.set(MODEL, name).and_then(|()| file.resolve());
+                run.map_err(|error| ExperimentError::of_run_file(&error, None))
+            };
+            Models::all(resolve, |path| cell.0.read(path)).map_err(failed)?
+        };
+        if let Some(first) = models.first() {
+            file.set(MODEL, first).map_err(|error| errors::of_settings(py, &error))?;
+        }
+        let (run, made) = beat::make(py, &cell.0, &file)?;
         let beats = asked.beats();
         let between = |(stiffness, curve): (f64, Measured)| {
             between_springs(stiffness, &self::curve(curve)?, &beats).map_err(failed)
         };
         let loaded = loaded.into_iter().map(between).collect::<PyResult<_>>()?;
-        let cell =
-            FittableCell::new(run, made, seeks_tension, &asked.sought(), (beats.clone(), loaded));
+        let cell = FittableCell::new(run, made, models, &asked.sought(), (beats.clone(), loaded));
         Ok(Self { cell: cell.map_err(failed)?, stop: Arc::default() })
     }
 

@@ -141,9 +141,12 @@ pub(crate) struct TableArgs {
     myospring fit cell.tif --pixel-size \"0.27 um\" --to cell.csv     the cell of a picture\n  \
     myospring fit --to lengths.txt --frame-rate 250 --kind length --unit um\n  \
     myospring fit --to cell.csv --free c_0,x_3,sigma                more unknowns\n  \
-    myospring fit --to cell.csv --model land_2017 --fix k_ws\n  \
+    myospring fit --to cell.csv --model land_2017 --fix k_ws        one cell model\n  \
+    myospring fit --to cell.csv --model given_tension               the tension that the curve needs\n  \
     myospring fit film.avi --pixel-size \"0.18 um\" --frame-rate 30   the cell of a film, to its motion\n  \
     myospring fit --to free.csv --loaded \"100 nN/um=fibres.csv\"     both stiffness and tension\n\n\
+    Without --model, every model whose fit takes seconds is tried. The one with the lowest BIC is taken among those that \
+    follow the curve; if there is none, the tension that the curve needs (given_tension). models.csv has what each leaves.\n\n\
     A curve of a free cell determines the ratio of tension to stiffness, not both; verdicts say what else it does not \
     determine. Delays and the length at rest are always fitted. Several curves (columns, files) are several cells.\n\n\
     Results: fit.json (every number with its unit, 95 % interval, profile and verdict), curve.csv (measured, fitted, \

@@ -1,7 +1,7 @@
 //! Fits in words.
 
 use crate::table::aligned;
-use myospring::experiment::fit::words::{estimates, headline, precise, residual};
+use myospring::experiment::fit::words::{TRIED, estimates, headline, precise, residual, tried};
 use myospring::experiment::fit::{Fits, FittedCell, Shapes};
 use myospring::experiment::tension_map::FilmMap;
 use myospring::fit::Fit;
@@ -28,6 +28,11 @@ fn one(fit: &Fit) -> String {
     for curve in &fit.curves {
         let _ = write!(text, "\n{}", residual(curve));
     }
+    let tried = tried(fit);
+    if !tried.is_empty() {
+        let rows = [TRIED.map(str::to_owned)].into_iter().chain(tried).map(Vec::from);
+        let _ = write!(text, "\n\n{}", aligned(&rows.collect::<Vec<_>>(), &[]));
+    }
     text
 }
 
@@ -40,20 +45,21 @@ fn several(fits: &Fits) -> String {
             }
         }
     }
-    let mut head = vec!["cell".to_owned(), "verdict".to_owned()];
+    let mut head = ["cell", "model", "verdict"].map(str::to_owned).to_vec();
     head.extend(names.iter().map(|name| (*name).to_owned()));
     let mut rows = vec![head];
     for cell in &fits.cells {
         let mut row = vec![cell.name.clone()];
         match &cell.found {
             Ok(fit) => {
+                row.push(fit.model.clone());
                 row.push(fit.verdict.word().replace('-', " "));
                 row.extend(names.iter().map(|name| {
                     fit.estimate(name)
                         .map_or_else(String::new, |estimate| precise(estimate.value, estimate))
                 }));
             }
-            Err(why) => row.push(format!("not fitted: {why}")),
+            Err(why) => row.extend([String::new(), format!("not fitted: {why}")]),
         }
         rows.push(row);
     }

@@ -79,6 +79,48 @@ class Estimate(NamedTuple):
     profile: list[tuple[float, float]]
 
 
+class TriedModel(NamedTuple):
+    """What a cell model leaves of a curve, or why it was not fitted.
+
+    Attributes
+    ----------
+    model : str
+        Name of the model.
+    taken : bool
+        Whether the fit is of this model.
+    reason : str or None
+        Why the model was not fitted; all that follows is then None.
+    verdict : str or None
+        Whether it follows the curve, as `Fit.verdict`.
+    numbers : int or None
+        Number of fitted numbers; for the curve's own tension one for each frame.
+    chi_squared : float or None
+        Squared residuals over squared noise, summed over the frames that every model used.
+    frames : int or None
+        Number of these frames.
+    bic : float or None
+        Bayesian information criterion: chi squared plus `numbers` times the logarithm of `frames`.
+    misfit_pct : float or None
+        Structure in the residuals, root mean square, % of the height of a beat; 0 if they look like noise.
+    frames_together : float or None
+        Neighbouring frames that count as one, since their residuals are correlated.
+    as_good : bool or None
+        Whether the curve does not tell it from the model that was taken.
+    """
+
+    model: str
+    taken: bool
+    reason: str | None = None
+    verdict: str | None = None
+    numbers: int | None = None
+    chi_squared: float | None = None
+    frames: int | None = None
+    bic: float | None = None
+    misfit_pct: float | None = None
+    frames_together: float | None = None
+    as_good: bool | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class FittedCurve:
     """A measured curve and that of the fitted cell.
@@ -216,6 +258,16 @@ class Fit:
         return str(self._record["verdict"])
 
     @property
+    def model(self) -> str:
+        """Name of the cell model; ``"given_tension"`` if the fit found the tension that the curve needs."""
+        return str(self._record["model"])
+
+    @cached_property
+    def tried(self) -> list[TriedModel]:
+        """What each cell model leaves of the curve, the one that was taken first; empty if ``model`` was given."""
+        return [TriedModel(**row) for row in self._record.get("tried", [])]
+
+    @property
     def verdicts(self) -> list[str]:
         """Findings on the fit, the most important first."""
         return list(self._record["verdicts"])
@@ -253,7 +305,7 @@ class Fit:
 
     @cached_property
     def own_tension(self) -> OwnTension | None:
-        """The tension that the curve asks for; None unless the fit was made with ``model="given_tension"``."""
+        """The tension that the curve asks for; None unless `model` is ``"given_tension"``."""
         row = self._record.get("own_tension")
         if row is None:
             return None
@@ -387,7 +439,7 @@ class Fit:
 
     def __repr__(self) -> str:
         numbers = ", ".join(f"{name} {self._amount(one)}" for name, one in self.parameters.items())
-        return f"<myospring.Fit of {self.name}, {self.verdict}: {numbers}>"
+        return f"<myospring.Fit of {self.name}, {self.model}, {self.verdict}: {numbers}>"
 
     def _repr_html_(self) -> str:
         rows = "".join(
@@ -576,8 +628,9 @@ def fit(
     progress : callable, bool or None
         As in `track`.
     **settings
-        Known properties of the cell: the settings of `simulate`, with its names, units and defaults, ``model`` first. For
-        a film also those of `Cell.from_image`, which find the cell in the frame at rest; ``outline`` says which, where
+        Known properties of the cell: the settings of `simulate`, with its names, units and defaults. Without ``model`` every
+        model whose fit takes seconds is tried, and the simplest that follows the curve is taken (`Fit.tried`); if there is
+        none, the tension that the curve needs. For a film also those of `Cell.from_image`, which find the cell in the frame at rest; ``outline`` says which, where
         there are several.
 
     Returns

@@ -5,6 +5,7 @@ mod curves;
 mod description;
 mod files;
 mod film;
+mod models;
 mod outcome;
 mod page;
 mod shapes;
@@ -24,10 +25,12 @@ pub use cell::{FittableCell, FittedCell};
 pub use curves::{EndSprings, Named, between_springs, of_table};
 pub use description::FitCell;
 pub use film::FollowedFilm;
+pub use models::Models;
 pub use outcome::Fits;
 use outcome::Work;
 use serde::Serialize;
 pub use shapes::Shapes;
+use std::path::Path;
 use std::sync::Arc;
 
 /// A fit whose files are read, and whose film is followed.
@@ -63,7 +66,10 @@ impl FitCell {
     ) -> Result<PreparedFit, ExperimentError> {
         self.cell.iter().chain(&self.to).for_each(|path| files.note(path));
         let film = self.film()?;
-        let (settings, seeks_tension) = self.settings();
+        let (mut settings, seeks_tension) = self.settings();
+        let models = self.models(&settings, seeks_tension, film, files)?;
+        // Before the others, which it would put out of force.
+        settings.splice(0..0, models.first().and_then(model_named));
         let film = film.map(|path| self.follow(path, &settings, files, observer)).transpose()?;
         let stem = self.to.first().filter(|_| self.cell.is_none());
         let stem = stem.and_then(|path| path.file_stem());
@@ -91,13 +97,8 @@ impl FitCell {
         let made = run.make(shaped, |file| files.bytes(file))?;
         run.fibre = made.fibres.taken;
         let (report, outline) = (made.report.clone(), made.outline.clone());
-        let cell = FittableCell::new(
-            run,
-            made,
-            seeks_tension,
-            &self.sought,
-            (self.beats.clone(), loaded),
-        )?;
+        let cell =
+            FittableCell::new(run, made, models, &self.sought, (self.beats.clone(), loaded))?;
         let (threads, files) = (self.threads, files.clone());
         let work = Work { cell, report, outline, curves, own, threads, files };
         Ok(PreparedFit { name, stem, film, work: Some(work), notes })
@@ -115,6 +116,29 @@ impl FitCell {
             settings.extend(method.map(|it| (it, Value::Text("quasi-static".to_owned()))));
         }
         (settings, seeks_tension)
+    }
+
+    /// The cell models that are fitted: that which was asked for, or all.
+    fn models(
+        &self,
+        settings: &[ChosenSetting],
+        seeks_tension: bool,
+        film: Option<&Path>,
+        files: &Files,
+    ) -> Result<Models, ExperimentError> {
+        if seeks_tension {
+            return Ok(Models::Tension);
+        }
+        let of_cell = self.cell.as_deref().filter(|cell| film != Some(*cell));
+        if input::gives(of_cell, settings, MODEL, files)? {
+            return Ok(Models::OfRun);
+        }
+        let resolve = |name: &str| {
+            let settings: Vec<_> = model_named(name).into_iter().chain(settings.to_vec()).collect();
+            let settled = input::settle(of_cell, &settings, files, &Interruption::default());
+            settled.map(|(_, run)| run)
+        };
+        Models::all(resolve, |file| files.bytes(file))
     }
 
     fn between_springs(
@@ -147,11 +171,18 @@ impl FitCell {
     }
 }
 
+/// The setting of the cell model.
+const MODEL: &str = "cell.model";
+
+fn model_named(name: &str) -> Option<ChosenSetting> {
+    Some((settings::find(MODEL)?, Value::Text(name.to_owned())))
+}
+
 /// Whether settings ask for the tension itself: by a model whose tension is given, which nobody gave. It is then no longer
 /// among them.
 pub fn seeks_tension(settings: &mut Vec<ChosenSetting>) -> bool {
     let is_given = |(setting, value): &ChosenSetting| {
-        let model = value.as_text().filter(|_| setting.key == "cell.model");
+        let model = value.as_text().filter(|_| setting.key == MODEL);
         model.is_some_and(|name| cells::model(name).is_ok_and(|model| model.given_peak().is_some()))
     };
     let has_table = settings.iter().any(|(setting, _)| setting.key == "cell.tension");
@@ -189,12 +220,13 @@ impl PreparedFit {
             (work.as_ref().filter(|work| work.own), &film, cells.first())
         {
             let followed = &film.followed;
-            match FilmMap::of(Arc::clone(followed), work.cell.fitter.simulation()) {
+            let candidate = first.found.as_ref().map_or(work.cell.first(), |fit| work.cell.of(fit));
+            match FilmMap::of(Arc::clone(followed), candidate.fitter.simulation()) {
                 Ok(found) => map = Some(found),
                 Err(error) => notes.push(format!("the map of tension is left out: {error}")),
             }
             if let (Ok(fit), false) = (&first.found, observer.interruption().is_requested()) {
-                shapes = Shapes::of(Arc::clone(followed), &work.cell.fitter, &work.cell.run, fit)?;
+                shapes = Shapes::of(Arc::clone(followed), candidate, fit)?;
             }
         }
         Ok(Fits { name, cells, film, map, shapes, notes, work })
@@ -239,7 +271,7 @@ impl Outcome for Fits {
     }
 
     fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
-        let mut run = self.work.as_ref().map(|work| work.cell.run.clone());
+        let mut run = self.work.as_ref().map(|work| work.cell.first().run.clone());
         if let Some(film) = &self.film {
             let own = self.work.as_ref().is_some_and(|work| work.own);
             film.write(folder, &self.name, run.as_mut().filter(|_| own))?;

@@ -87,6 +87,26 @@ pub fn mesh_picture(
     }
 }
 
+/// Whether the settings, or the run file, give this key.
+///
+/// # Errors
+/// A run file that cannot be read.
+pub fn gives(
+    path: Option<&Path>,
+    overrides: &[ChosenSetting],
+    key: &str,
+    files: &Files,
+) -> Result<bool, ExperimentError> {
+    if overrides.iter().any(|(setting, _)| setting.key == key) {
+        return Ok(true);
+    }
+    let Some(path) = path.filter(|path| ending(path) == "toml") else { return Ok(false) };
+    let text = files.text(path)?;
+    let read = Reader::new().text(&path.display().to_string(), &text).and_then(Reader::read);
+    let read = read.map_err(|error| ExperimentError::of_run_file(&error, Some(&text)))?;
+    Ok(read.0.has(key))
+}
+
 /// Reads and checks every setting; returns the name of the results, and the run.
 ///
 /// # Errors

@@ -8,6 +8,8 @@ use serde::Serialize;
 /// A fit of one cell to its curves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
+    /// Name of the cell model.
+    pub model: String,
     /// Whether the model fits the curves: read it before any number.
     pub verdict: FitVerdict,
     /// The fitted numbers of the cell, then delays and levels.
@@ -40,11 +42,52 @@ pub struct Fit {
     /// Beats of the train before the first recorded one, determined from the curve: 0 if the train
     /// begins from rest.
     pub beats_before: usize,
+    /// The number of fitted numbers, delays of single beats included; for the curve's own tension one for each frame.
+    pub numbers: usize,
     /// The number of curves that were computed.
     pub evaluations: usize,
     /// The tension that the curve asks for, where that was sought.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_tension: Option<OwnTension>,
+    /// What each cell model leaves of the curve, the one that was taken first; empty where only one was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tried: Vec<TriedModel>,
+}
+
+/// What a cell model leaves of a curve, or why it was not fitted.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TriedModel {
+    /// Its name.
+    pub model: String,
+    /// Whether the fit is of this model.
+    pub taken: bool,
+    /// What it leaves; `None` if it was not fitted.
+    #[serde(flatten)]
+    pub left: Option<Left>,
+    /// Why it was not fitted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+/// What a model leaves of a curve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Left {
+    /// Whether it follows the curve.
+    pub verdict: FitVerdict,
+    /// Number of fitted numbers; for the curve's own tension one for each frame.
+    pub numbers: usize,
+    /// Squared residuals over squared noise, summed over the frames that every model used.
+    pub chi_squared: f64,
+    /// Number of these frames.
+    pub frames: usize,
+    /// Bayesian information criterion.
+    pub bic: f64,
+    /// Structure in the residuals, root mean square, % of the height of a beat; 0 if they look like noise.
+    pub misfit_pct: f64,
+    /// Neighbouring frames that count as one, since their residuals are correlated; 1 if they look like noise.
+    pub frames_together: f64,
+    /// Whether the curve does not tell it from the model that was taken.
+    pub as_good: bool,
 }
 
 /// One fitted number.

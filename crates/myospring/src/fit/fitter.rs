@@ -102,6 +102,16 @@ impl Fitter {
         Ok(Self { simulation, shelf: Arc::default(), seeks_tension: false })
     }
 
+    /// For the same cell with another cell model; it shares tables of equilibria where the material is the same.
+    ///
+    /// # Errors
+    /// Those of [`Fitter::new`].
+    pub fn beside(&self, simulation: Simulation) -> Result<Self, FitError> {
+        let same = simulation.material == self.simulation.material;
+        let other = Self::new(simulation)?;
+        Ok(if same { Self { shelf: Arc::clone(&self.shelf), ..other } } else { other })
+    }
+
     /// Of a simulation of which the tension itself is sought.
     pub(super) fn seeking_tension(simulation: Simulation) -> Self {
         let simulation = Simulation { cell: Arc::new(GivenTension::example()), ..simulation };
@@ -420,6 +430,7 @@ impl Fitter {
         let agreeing = starts.iter().filter(|end| (end.sum - least.sum) / unit < at_ends).count();
         let count = least.residuals.len() as f64;
         let mut fit = Fit {
+            model: self.simulation.cell.name().to_owned(),
             estimates,
             correlations,
             correlated,
@@ -434,8 +445,10 @@ impl Fitter {
             agreeing_starts: [agreeing, asked],
             starts: starts.iter().map(|end| (end.sum / count).sqrt()).collect(),
             reduced_chi_squared: reduced,
+            numbers: layout.roles.len(),
             evaluations: work.evaluations(),
             own_tension: None,
+            tried: Vec::new(),
         };
         fit.judge();
         fit.verdicts = verdicts(&fit, &*self.simulation.cell, self.modulus());

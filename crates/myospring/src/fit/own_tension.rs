@@ -131,6 +131,7 @@ impl Fitter {
         };
         let estimates = own.metrics.iter().map(TensionMetric::estimate).collect();
         let mut fit = Fit {
+            model: self.simulation().cell.name().to_owned(),
             verdict: curve.verdict(),
             estimates,
             correlations: None,
@@ -143,8 +144,10 @@ impl Fitter {
             variance_factor: 1.0,
             rise_at_ends: NORMAL * NORMAL,
             beats_before: 0,
+            numbers: own.times_ms.len(),
             evaluations: times.len(),
             own_tension: Some(own),
+            tried: Vec::new(),
         };
         fit.verdicts = words::of_own_tension(&fit, self.modulus());
         fit

@@ -49,6 +49,20 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
     words
 }
 
+/// Which other models follow the curve as well as the one that was taken.
+pub(super) fn not_told_apart(fit: &Fit) -> Option<String> {
+    let as_good = fit.tried.iter().filter(|row| row.left.as_ref().is_some_and(|left| left.as_good));
+    let names: Vec<&str> = as_good.map(|row| row.model.as_str()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the curve does not tell {} from {}, which {} it as well: it does not show which model the cell is like",
+            fit.model,
+            names.join(", "),
+            if names.len() == 1 { "follows" } else { "follow" }
+        )
+    })
+}
+
 /// Which number a length determines.
 fn of_ratio(modulus: f64) -> String {
     format!(

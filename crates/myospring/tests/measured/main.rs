@@ -14,6 +14,7 @@ mod synthetic_cell;
 #[path = "../common/synthetic_film.rs"]
 mod synthetic_film;
 mod tension_map;
+mod tried;
 #[path = "../common/workbook_bytes.rs"]
 mod workbook_bytes;
 mod workbooks;

@@ -1,11 +1,17 @@
 //! One cell, ready to be fitted: the way of every fit, whether its curve comes from a table, a film or an array.
 
 use super::curves::{self, Named};
+use super::models::{Driven, Models};
+use super::simulation::simulation;
 use super::words;
+use crate::cell::CellModel as _;
+use crate::cell::given_tension::GivenTension;
 use crate::experiment::{BeatOptions, ExperimentError, Observer};
-use crate::fit::{Fit, FitError, FitOptions, FitSettings, Fitter, Loaded, Observed};
+use crate::fit::{self, Fit, FitError, FitOptions, FitSettings, Fitter, Loaded, Observed};
+use crate::interruption::Interruption;
 use crate::measured::Curve;
 use crate::settings::{MeshedRun, Run};
+use crate::simulation::Simulation;
 use crate::study::Threads;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -14,13 +20,21 @@ const STEPS: f64 = 1000.0;
 
 /// A cell on its mesh, and what is sought of it.
 pub struct FittableCell {
-    pub(super) run: Run,
-    pub(super) fitter: Fitter,
-    pub(super) spacing_um: f64,
-    settings: FitSettings,
+    /// One for each cell model that is fitted; at least one.
+    candidates: Vec<Candidate>,
+    /// Models that do not suit the cell, by name, with the reason.
+    refused: Vec<(String, ExperimentError)>,
+    spacing_um: f64,
     beats: BeatOptions,
     /// Curves of the same cell between springs.
     loaded: Vec<Loaded>,
+}
+
+/// The cell with one cell model.
+pub(super) struct Candidate {
+    pub(super) run: Run,
+    pub(super) fitter: Fitter,
+    settings: FitSettings,
 }
 
 /// A cell and its fit, or why there is none.
@@ -31,28 +45,84 @@ pub struct FittedCell {
     pub found: Result<Fit, ExperimentError>,
 }
 
+impl Candidate {
+    fn new(
+        run: Run,
+        fitter: Fitter,
+        sought: &FitOptions,
+        loaded: bool,
+    ) -> Result<Self, ExperimentError> {
+        let settings = sought.settings(&*fitter.simulation().cell, loaded);
+        let settings = settings.map_err(|error| not_sought(error, sought))?;
+        Ok(Self { run, fitter, settings })
+    }
+
+    fn model(&self) -> &str {
+        self.fitter.simulation().cell.name()
+    }
+}
+
 impl FittableCell {
-    /// A cell whose run is made; `seeks_tension` fits no parameter, but the tension itself. `own`
-    /// is when it was stimulated, and curves of it between springs.
+    /// A cell whose run is made. `own` is when it was stimulated, and curves of it between springs.
     ///
     /// # Errors
     /// A run that cannot be fitted, and names that are not sought.
     pub fn new(
         run: Run,
         made: MeshedRun,
-        seeks_tension: bool,
+        models: Models,
         sought: &FitOptions,
         (beats, loaded): (BeatOptions, Vec<Loaded>),
     ) -> Result<Self, ExperimentError> {
-        let spacing_um = made.report.spacing_um;
-        let fitter = if seeks_tension {
-            Fitter::of_tension(made.simulation)?
-        } else {
-            Fitter::new(made.simulation)?
+        let MeshedRun { simulation, report, .. } = made;
+        let with = |run, fitter: Result<Fitter, FitError>| {
+            Candidate::new(run, fitter?, sought, !loaded.is_empty())
         };
-        let settings = sought.settings(&*fitter.simulation().cell, !loaded.is_empty());
-        let settings = settings.map_err(|error| not_sought(error, sought))?;
-        Ok(Self { run, fitter, spacing_um, settings, beats, loaded })
+        let mut refused = Vec::new();
+        let candidates = match models {
+            Models::OfRun => vec![with(run, Fitter::new(simulation))?],
+            Models::Tension => vec![with(run, Fitter::of_tension(simulation))?],
+            Models::All(all) => {
+                let first = Fitter::new(simulation)?;
+                let mut candidates = Vec::new();
+                for (name, driven) in all {
+                    let candidate = driven.and_then(|Driven { run: own, cell }| {
+                        let made = self::simulation(first.simulation(), &own);
+                        let fitter = first.beside(Simulation { cell, ..made });
+                        with(Run { shape: run.shape.clone(), fibre: run.fibre, ..own }, fitter)
+                    });
+                    match candidate {
+                        Ok(candidate) => candidates.push(candidate),
+                        Err(error) => refused.push((name, error)),
+                    }
+                }
+                if candidates.is_empty() {
+                    let (_, error) = refused.swap_remove(0);
+                    return Err(error);
+                }
+                match with(run, Fitter::of_tension(first.simulation().clone())) {
+                    Ok(own) => candidates.push(own),
+                    Err(error) => refused.push((GivenTension::example().name().to_owned(), error)),
+                }
+                candidates
+            }
+        };
+        Ok(Self { candidates, refused, spacing_um: report.spacing_um, beats, loaded })
+    }
+
+    /// The cell with the model of a fit.
+    pub(super) fn of(&self, fit: &Fit) -> &Candidate {
+        let found = self.candidates.iter().find(|candidate| candidate.model() == fit.model);
+        found.unwrap_or(self.first())
+    }
+
+    /// The cell with the first model that suits it.
+    pub(super) fn first(&self) -> &Candidate {
+        &self.candidates[0]
+    }
+
+    pub(super) fn spacing_um(&self) -> f64 {
+        self.spacing_um
     }
 
     /// Fits the cell to each curve, until the work is interrupted; `notes` are added to the error of a single one.
@@ -66,10 +136,9 @@ impl FittableCell {
         threads: &Threads,
         observer: &dyn Observer,
     ) -> Result<Vec<FittedCell>, ExperimentError> {
-        self.forecast(curves, threads, observer);
+        let slow = self.slow(curves, threads, observer);
         observer.stage("\u{2030} of the fits", STEPS as u64);
         let interruption = observer.interruption();
-        let fitter = self.fitter.interrupted_by(interruption.clone());
         let (done, count) = (AtomicU64::new(0), curves.len());
         let mut cells = Vec::new();
         for (number, (name, curve)) in curves.iter().enumerate() {
@@ -80,7 +149,7 @@ impl FittableCell {
             };
             let fitted = |curve: &Curve| {
                 let all = self.with_loaded(curves::observed(curve, &self.beats)?);
-                threads.install(|| fitter.fit_loaded(&all, &self.settings, &goes_on))
+                threads.install(|| self.fit_one(&all, &slow, &interruption, &goes_on))
             };
             let found = match curve {
                 Ok(curve) => fitted(curve).map_err(|error| with_notes(error, notes)),
@@ -97,28 +166,75 @@ impl FittableCell {
         Ok(cells)
     }
 
+    /// The simplest fit that follows the curves; `None` if the work was interrupted.
+    fn fit_one(
+        &self,
+        curves: &[Loaded],
+        slow: &[Option<String>],
+        interruption: &Interruption,
+        goes_on: &(dyn Fn(f64) -> bool + Sync),
+    ) -> Result<Option<Fit>, ExperimentError> {
+        let count = self.candidates.len();
+        let mut fits = Vec::new();
+        for (number, (candidate, slow)) in self.candidates.iter().zip(slow).enumerate() {
+            let part = |part: f64| goes_on((number as f64 + part) / count as f64);
+            let Candidate { fitter, settings, .. } = candidate;
+            let fitter = fitter.interrupted_by(interruption.clone());
+            let fit = match slow {
+                Some(why) => Err(ExperimentError::new(why)),
+                None => match fitter.fit_loaded(curves, settings, &part) {
+                    Ok(None) => return Ok(None),
+                    Ok(Some(fit)) => Ok(fit),
+                    Err(error) => Err(error.into()),
+                },
+            };
+            fits.push((candidate.model().to_owned(), fit));
+        }
+        fits.extend(self.refused.iter().map(|(name, error)| (name.clone(), Err(error.clone()))));
+        match <[_; 1]>::try_from(fits) {
+            Ok([(_, only)]) => only.map(Some),
+            Err(several) => fit::simplest(several).map(Some),
+        }
+    }
+
     /// The run that beats like a fitted cell, and the spacing of its mesh, um.
     ///
     /// # Errors
     /// Numbers that the model does not take.
     pub fn fitted_run(&self, fit: &Fit) -> Result<(Run, f64), ExperimentError> {
-        Ok((self.fitter.fitted(self.run.clone(), fit)?, self.spacing_um))
+        let Candidate { run, fitter, .. } = self.of(fit);
+        Ok((fitter.fitted(run.clone(), fit)?, self.spacing_um))
     }
 
-    /// Notes how long the fits take, where that is long.
-    fn forecast(&self, curves: &[Named], threads: &Threads, observer: &dyn Observer) {
+    /// For each model, why it is too slow to be tried beside others. How long the fits with a single one take is noted, where that
+    /// is long.
+    fn slow(
+        &self,
+        curves: &[Named],
+        threads: &Threads,
+        observer: &dyn Observer,
+    ) -> Vec<Option<String>> {
         // A curve without a beat says so later.
         let first = |curve: &Named| curves::observed(curve.1.as_ref().ok()?, &self.beats).ok();
-        let takes = curves.iter().find_map(first).and_then(|observed| {
-            self.fitter.will_take(&self.with_loaded(observed), &self.settings).ok().flatten()
-        });
-        if let Some(one) = takes {
+        let curve = curves.iter().find_map(first).map(|observed| self.with_loaded(observed));
+        let takes = |candidate: &Candidate| {
+            let Candidate { fitter, settings, .. } = candidate;
+            fitter.will_take(curve.as_ref()?, settings).ok().flatten()
+        };
+        let models = self.candidates.iter().filter(|it| !it.fitter.seeks_tension()).count();
+        let of = |candidate: &Candidate| {
+            let one = takes(candidate)?;
+            if models > 1 {
+                return Some(words::too_slow(candidate.model()));
+            }
             observer.note(&words::will_take(one, curves.len(), threads.count()));
-        }
+            None
+        };
+        self.candidates.iter().map(of).collect()
     }
 
     fn with_loaded(&self, observed: Observed) -> Vec<Loaded> {
-        let support = self.fitter.simulation().support;
+        let support = self.first().fitter.simulation().support;
         [Loaded { support, observed }].into_iter().chain(self.loaded.iter().cloned()).collect()
     }
 }
@@ -137,8 +253,8 @@ fn not_sought(error: FitError, asked: &FitOptions) -> ExperimentError {
     }
 }
 
-fn with_notes(error: FitError, notes: &[String]) -> ExperimentError {
-    notes.iter().fold(error.into(), |failure: ExperimentError, note| failure.also(note))
+fn with_notes(error: ExperimentError, notes: &[String]) -> ExperimentError {
+    notes.iter().fold(error, |failure, note| failure.also(note))
 }
 
 impl From<FitError> for ExperimentError {

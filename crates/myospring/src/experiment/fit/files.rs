@@ -1,6 +1,6 @@
 //! The files of fits.
 
-use super::cell::FittedCell;
+use super::cell::{Candidate, FittedCell};
 use super::outcome::{Fits, Shared, Work};
 use super::page;
 use super::shapes::{self, Shapes};
@@ -25,7 +25,6 @@ pub(super) struct Record<'a> {
     cell: &'a str,
     /// Whose shape it has.
     shape: &'a str,
-    model: &'a str,
     #[serde(flatten)]
     fit: Option<&'a Fit>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -40,13 +39,11 @@ pub(super) struct Record<'a> {
 }
 
 pub(super) fn records<'a>(fits: &'a Fits) -> Vec<Record<'a>> {
-    let Some(work) = &fits.work else { return Vec::new() };
     let record = |cell: &'a FittedCell| Record {
         program: "myospring",
         version: env!("CARGO_PKG_VERSION"),
         cell: &cell.name,
         shape: &fits.name,
-        model: work.cell.fitter.simulation().cell.name(),
         fit: cell.found.as_ref().ok(),
         reason: cell.found.as_ref().err().map(ToString::to_string),
         shapes: fits.shapes.as_ref().map(Shapes::record),
@@ -64,7 +61,8 @@ pub(super) fn write(
     run: &Run,
     observer: &dyn Observer,
 ) -> Result<(), ExperimentError> {
-    let path = work.cell.fitter.simulation().shared_path(Tolerance::default()).ok();
+    let first = work.cell.first().fitter.simulation();
+    let path = first.shared_path(Tolerance::default()).ok().map(|path| (path, &first.material));
     let mut inputs = Inputs::default();
     inputs.keep(folder, run.to_run_file(), |file| work.files.bytes(file))?;
     let shared = Shared { fits, work, run, inputs, path };
@@ -101,6 +99,9 @@ impl Shared<'_> {
         let up = if several { "../../" } else { "" };
         folder.write(&format!("{within}fit.json"), json::pretty(record)?)?;
         folder.write(&format!("{within}curve.csv"), tables::curves(fit).to_csv()?)?;
+        if !fit.tried.is_empty() {
+            folder.write(&format!("{within}models.csv"), tables::tried(fit).to_csv()?)?;
+        }
         if let Some(own) = &fit.own_tension {
             folder.write(&format!("{within}{TENSION_FILE}"), tables::tension(own).to_csv()?)?;
             if let Some(beat) = &own.mean_beat {
@@ -108,9 +109,11 @@ impl Shared<'_> {
                     .write(&format!("{within}mean_beat.csv"), tables::mean_beat(beat).to_csv()?)?;
             }
         }
-        let run = work.cell.fitter.fitted(self.run.clone(), fit)?;
-        let simulation = simulation(&work.cell.fitter, &run);
-        let run_file = resolved(&run, (inputs, up), &simulation, work.cell.spacing_um, None);
+        let Candidate { run, fitter, .. } = work.cell.of(fit);
+        let run = Run { shape: self.run.shape.clone(), ..run.clone() };
+        let run = fitter.fitted(run, fit)?;
+        let simulation = simulation(fitter.simulation(), &run);
+        let run_file = resolved(&run, (inputs, up), &simulation, work.cell.spacing_um(), None);
         folder.write(&format!("{within}run.toml"), &run_file)?;
         if observer.is_late() {
             return Ok(());
@@ -122,8 +125,9 @@ impl Shared<'_> {
             let figure = figure.replacen("fit", "tension", 1);
             folder.figures(Theme::Light, &[(&figure, &|| figure::tension(&drawn))], observer)?;
         }
-        // One path of equilibria serves all cells, unless stiffness was fitted, too.
-        let ready = path.as_ref().and_then(|path| path.prepare(&simulation).ok());
+        // One path of equilibria serves all cells of the same material; that of a fitted stiffness is another.
+        let path = path.as_ref().filter(|(_, material)| **material == simulation.material);
+        let ready = path.and_then(|(path, _)| path.prepare(&simulation).ok());
         let beaten = match ready {
             Some(ready) => Ok(ready.run(|_progress| true)),
             None => simulation.build().map(|ready| ready.run(|_progress| true)),

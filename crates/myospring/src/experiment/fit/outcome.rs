@@ -6,6 +6,7 @@ use super::film::FollowedFilm;
 use super::shapes::Shapes;
 use crate::experiment::tension_map::FilmMap;
 use crate::experiment::{Files, Inputs};
+use crate::mechanics::material::Material;
 use crate::mesh::outline::Outline;
 use crate::mesh::quality::MeshReport;
 use crate::settings::Run;
@@ -47,6 +48,6 @@ pub(super) struct Shared<'a> {
     /// The run of the cell before it was fitted.
     pub(super) run: &'a Run,
     pub(super) inputs: Inputs,
-    /// Equilibria of all cells, unless stiffness was fitted, too.
-    pub(super) path: Option<SharedPath>,
+    /// Equilibria of all cells of this material.
+    pub(super) path: Option<(SharedPath, &'a Material)>,
 }

@@ -10,8 +10,8 @@ use crate::fit::{Estimate, Fit, FitVerdict, Unknown};
 use crate::output::field::Field;
 use crate::output::figure::{DrawnFit, DrawnTension, Figure, FigureError};
 use crate::output::page::{
-    self, Answer, Chart, Drawing, Page, PageRun, Part, Quality, Runs, Section, TableCell as Entry,
-    Tile, VerdictMark,
+    self, Answer, Chart, Column, Drawing, Page, PageRun, Part, Quality, Row, Runs, Section, Table,
+    TableCell as Entry, Tile, VerdictMark,
 };
 use crate::settings::Run;
 use crate::simulation::{Outcome, Simulation};
@@ -62,6 +62,7 @@ pub(super) fn html(
     }
     let mut sections =
         vec![numbers(fit, model), runs.beat(Field::default(), charts), certainty(fit, &fits.notes)];
+    sections.extend(models(fit));
     sections.extend(figures(fits));
     sections.extend(runs.record());
     let quality = match fit.verdict {
@@ -95,6 +96,23 @@ fn numbers(fit: &Fit, model: &dyn CellModel) -> Section<'static> {
         }
     });
     Section::new("key", "Fitted numbers", vec![Part::Tiles(tiles.collect())])
+}
+
+/// What each model that was tried leaves of the curve.
+fn models(fit: &Fit) -> Option<Section<'static>> {
+    let columns = words::TRIED.map(Column::text);
+    let rows: Vec<Row> = words::tried(fit)
+        .into_iter()
+        .map(|row| Row { cells: row.map(Entry::text).into(), ..Row::default() })
+        .collect();
+    let table = Table { columns: columns.into(), rows, ..Table::default() };
+    let hint = "The model with the lowest BIC is taken among those that fit, or fit nearly; if there is none, the tension that the \
+                curve needs. BIC is chi squared plus the number of fitted numbers times the logarithm of the number of frames; \
+                off by is the part of the residuals that is not noise, over the height of a beat."
+        .to_owned();
+    let parts = vec![Part::Table(table)];
+    let section = Section { hint, ..Section::new("models", "Models that were tried", parts) };
+    (!fit.tried.is_empty()).then_some(section)
 }
 
 /// How well the numbers are determined.

@@ -1,14 +1,14 @@
 //! The cell of a film compared with the fitted one, both at their peak.
 
+use super::cell::Candidate;
 use super::simulation::simulation;
 use crate::experiment::track::Followed;
 use crate::experiment::{ExperimentError, Folder, Observer};
-use crate::fit::{Fit, Fitter};
+use crate::fit::Fit;
 use crate::integrate::quasi_static::Tolerance;
 use crate::output::field::{Field, Fields};
 use crate::output::figure::{self, Figure, FigureError, Map, Theme};
 use crate::recording::Frame;
-use crate::settings::Run;
 use crate::tension_map::{ObservedPeak, PeakShapes};
 use serde::Serialize;
 use std::sync::Arc;
@@ -40,14 +40,14 @@ impl Shapes {
     /// `None` if the fitted cell does not beat.
     pub(super) fn of(
         followed: Arc<Followed>,
-        fitter: &Fitter,
-        run: &Run,
+        cell: &Candidate,
         fit: &Fit,
     ) -> Result<Option<Self>, ExperimentError> {
         let mesh = &followed.motion.mesh;
         let seen = ObservedPeak::at_peak(&followed.motion);
-        let run = fitter.fitted(run.clone(), fit).map_err(ExperimentError::new)?;
-        let outcome = simulation(fitter, &run).run_quasi_static(Tolerance::default(), |_| true)?;
+        let run = cell.fitter.fitted(cell.run.clone(), fit).map_err(ExperimentError::new)?;
+        let outcome = simulation(cell.fitter.simulation(), &run)
+            .run_quasi_static(Tolerance::default(), |_| true)?;
         let Some(peak) = PeakShapes::of(mesh, &seen, &outcome.recording.frames) else {
             return Ok(None);
         };

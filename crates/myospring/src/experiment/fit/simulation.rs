@@ -1,12 +1,11 @@
-//! The simulation of a fitted cell.
+//! The simulation of a run on a mesh that another run made.
 
-use crate::fit::Fitter;
 use crate::settings::Run;
 use crate::simulation::Simulation;
 
-/// The simulation of a run with what was found.
-pub(super) fn simulation(fitter: &Fitter, run: &Run) -> Simulation {
-    let mut simulation = fitter.simulation().clone();
+/// The simulation of a run that differs from that of `made` in its cell, its material and its protocol only.
+pub(super) fn simulation(made: &Simulation, run: &Run) -> Simulation {
+    let mut simulation = made.clone();
     simulation.cell = run.cell.clone();
     simulation.peak_tension = run.peak_tension;
     simulation.material = run.material.clone();

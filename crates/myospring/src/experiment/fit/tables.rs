@@ -1,7 +1,7 @@
 //! Fits as tables, and as figures have them.
 
 use super::cell::FittedCell;
-use crate::fit::{self, Estimate, Fit, FitVerdict, MeanBeat, OwnTension};
+use crate::fit::{self, Estimate, Fit, FitVerdict, Left, MeanBeat, OwnTension, TriedModel};
 use crate::output::figure::{DrawnFit, DrawnTension, LikelihoodProfile};
 use crate::output::table::{Column, Table, column_name};
 
@@ -35,6 +35,33 @@ pub(super) fn curves(fit: &Fit) -> Table {
         fit.curves.iter().flat_map(|curve| curve.used.iter().map(|used| Some(used.to_string())));
     columns.push(Column::Text { name: "used".to_owned(), values: used.collect() });
     Table { columns }
+}
+
+/// What each model that was tried leaves of the curve.
+pub(super) fn tried(fit: &Fit) -> Table {
+    let text = |name: &str, of: &dyn Fn(&TriedModel) -> Option<String>| Column::Text {
+        name: name.to_owned(),
+        values: fit.tried.iter().map(of).collect(),
+    };
+    let number = |name: &str, of: &dyn Fn(&Left) -> f64| Column::Number {
+        name: name.to_owned(),
+        values: fit.tried.iter().map(|row| row.left.as_ref().map(of)).collect(),
+    };
+    Table {
+        columns: vec![
+            text("model", &|row| Some(row.model.clone())),
+            text("taken", &|row| Some(row.taken.to_string())),
+            text("verdict", &|row| row.left.as_ref().map(|left| left.verdict.word().to_owned())),
+            text("as_good", &|row| row.left.as_ref().map(|left| left.as_good.to_string())),
+            number("numbers", &|left| left.numbers as f64),
+            number("chi_squared", &|left| left.chi_squared),
+            number("frames", &|left| left.frames as f64),
+            number("bic", &|left| left.bic),
+            number("misfit_pct", &|left| left.misfit_pct),
+            number("frames_together", &|left| left.frames_together),
+            text("reason", &|row| row.reason.clone()),
+        ],
+    }
 }
 
 /// A tension that a curve asks for, as a run reads it.
@@ -86,7 +113,10 @@ pub(super) fn cells(cells: &[FittedCell]) -> Table {
         name: name.to_owned(),
         values: cells.iter().map(|cell| Some(of(cell))).collect(),
     };
-    let mut columns = vec![text("cell", &|cell| cell.name.clone())];
+    let model = |cell: &FittedCell| {
+        cell.found.as_ref().map_or_else(|_| String::new(), |fit| fit.model.clone())
+    };
+    let mut columns = vec![text("cell", &|cell| cell.name.clone()), text("model", &model)];
     let mut names: Vec<(String, String)> = Vec::new();
     for fit in cells.iter().filter_map(|cell| cell.found.as_ref().ok()) {
         for estimate in &fit.estimates {

@@ -1,6 +1,6 @@
 //! The numbers of fits as people read them.
 
-use crate::fit::{Estimate, Fit, FitVerdict, FittedCurve};
+use crate::fit::{Estimate, Fit, FitVerdict, FittedCurve, TriedModel};
 use std::time::Duration;
 
 /// Name, value, 95 % interval and verdict of every estimate.
@@ -18,10 +18,51 @@ pub fn estimates(fit: &Fit) -> Vec<[String; 4]> {
 
 /// Whether the model fits the curves; comes before any number.
 pub fn headline(fit: &Fit) -> String {
-    if fit.own_tension.is_some() {
-        return "The tension that this curve needs, frame by frame. It predicts nothing beyond this recording.".to_owned();
+    let models = tried_models(fit).count();
+    match (&fit.own_tension, fit.verdict) {
+        (Some(_), _) if models == 0 => {
+            "The tension that this curve needs, frame by frame. It predicts nothing beyond this recording.".to_owned()
+        }
+        (Some(_), _) => "No cell model here follows this curve. This is the tension that it needs, frame by frame; it \
+                         predicts nothing beyond this recording."
+            .to_owned(),
+        (None, verdict) if models == 0 => format!("The model {}.", verdict.words()),
+        (None, FitVerdict::DoesNotFit) => {
+            format!("No cell model here follows this curve; {} leaves least of it.", fit.model)
+        }
+        (None, verdict) => {
+            format!("{} {}. Of the {models} models that were tried it leaves least.", fit.model, verdict.words())
+        }
     }
-    format!("The model {}.", fit.verdict.words())
+}
+
+/// The models that were fitted before one was taken, without the curve's own tension.
+fn tried_models(fit: &Fit) -> impl Iterator<Item = &TriedModel> {
+    fit.tried.iter().filter(|row| row.left.as_ref().is_some_and(|left| left.numbers < left.frames))
+}
+
+/// The heads of [`tried`].
+pub const TRIED: [&str; 6] = ["model", "fitted numbers", "off by", "chi squared", "BIC", "verdict"];
+
+/// What each model that was tried leaves of the curve; empty where only one was asked for.
+pub fn tried(fit: &Fit) -> Vec<[String; 6]> {
+    let row = |TriedModel { model, left, reason, .. }: &TriedModel| {
+        let Some(left) = left else {
+            let [numbers, off, chi_squared, bic] = [const { String::new() }; 4];
+            let reason = reason.clone().unwrap_or_default();
+            return [model.clone(), numbers, off, chi_squared, bic, reason];
+        };
+        let verdict = if left.as_good { "fits as well" } else { left.verdict.word() };
+        [
+            model.clone(),
+            left.numbers.to_string(),
+            format!("{:.1} %", left.misfit_pct),
+            format!("{:.1}", left.chi_squared),
+            format!("{:.1}", left.bic),
+            verdict.replace('-', " "),
+        ]
+    };
+    fit.tried.iter().map(row).collect()
 }
 
 /// How large the residuals of a curve are, and its noise.
@@ -66,6 +107,11 @@ pub fn precise(value: f64, estimate: &Estimate) -> String {
 
 fn with_unit(text: String, unit: &str) -> String {
     if unit.is_empty() { text } else { format!("{text} {unit}") }
+}
+
+/// Why a cell model is not tried beside others.
+pub(super) fn too_slow(model: &str) -> String {
+    format!("not tried: each of its curves is a whole beat (--model {model})")
 }
 
 /// How long a fit of a cell whose curves are slow takes.
