@@ -261,7 +261,8 @@ pub(crate) struct SegmentArgs {
     myospring track film.avi --pixel-size \"0.18 um\" --frame-rate 30 --allow-cut\n  \
     myospring track film.ome.tif                       pixel size and frame rate from the file\n  \
     myospring track frames --pixel-size \"0.27 um\" --frame-rate 100       a folder of pictures\n  \
-    myospring track film.tif --frame 12 --outline cell.roi      the cell as drawn on frame 12\n\n\
+    myospring track film.tif --frame 12 --outline cell.roi      the cell as drawn on frame 12\n  \
+    myospring track film.ome.tif --cell all            every cell of the film: a row a cell\n\n\
     Films: TIFF, OME-TIFF and ImageJ stacks, folders of .png and .tif, AVI (uncompressed, MJPEG, PNG), .y4m; others \
     through ffmpeg, if it is installed.\n\n\
     Results: track.csv (one row per frame: t_ms, length_um, shortening_pct, width_um, area_um2, stretch_1 and stretch_2, \

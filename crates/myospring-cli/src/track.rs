@@ -8,16 +8,18 @@ use crate::files::FILES;
 use crate::terminal::Terminal;
 use crate::{input, print};
 use myospring::experiment::run::NONE;
-use myospring::experiment::track::{HeadlineReport, Output, Track, TrackReport};
+use myospring::experiment::track::{
+    HeadlineReport, Output, Track, TrackCells, TrackReport, TrackedCells,
+};
 use myospring::experiment::{Experiment, Folder, Outcome};
 use myospring::microscopy::motion::TrackingSettings;
 use myospring::output::json;
+use myospring::study::Status;
 use myospring::units::{self, Dimension};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
 pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
-    input::one_cell(args.settings.all_cells())?;
     let mut experiment = Track {
         settings: args.settings.overrides(),
         frame_rate: args.frame_rate.as_deref().map(frame_rate).transpose()?,
@@ -33,20 +35,71 @@ pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
     // Before the work, so that it is not lost if nothing can be written.
     let folder = Folder::claim(&target, args.output.force, &FILES)?;
     let terminal = Terminal::new(args.output.quiet);
+    if args.settings.all_cells() {
+        let outcome = TrackCells(experiment).run(&FILES, &terminal)?;
+        told(args, &outcome, folder, &terminal, || of_cells(&outcome))?;
+        return Ok(ExitCode::from(u8::from(outcome.count(Status::Failed) > 0)));
+    }
     let outcome = experiment.run(&FILES, &terminal)?;
+    told(args, &outcome, folder, &terminal, || for_people(&outcome.report))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Saves an outcome and prints it.
+fn told(
+    args: &TrackArgs,
+    outcome: &impl Outcome,
+    folder: Folder,
+    terminal: &Terminal,
+    words: impl FnOnce() -> String,
+) -> Result<(), Failure> {
     terminal.clear();
     if !args.output.quiet {
         outcome.warnings().iter().for_each(|warning| print::warn(warning));
     }
-    outcome.save(&folder, &terminal)?;
-    let target = folder.finish(&terminal)?;
+    outcome.save(&folder, terminal)?;
+    let target = folder.finish(terminal)?;
     if args.output.json {
-        print::out(&json::for_people(&outcome.numbers())?)?;
-    } else {
-        print::out(&for_people(&outcome.report))?;
-        print::out(&format!("\nwritten: {}", target.display()))?;
+        return print::out(&json::for_people(&outcome.numbers())?);
     }
-    Ok(ExitCode::SUCCESS)
+    print::out(&words())?;
+    print::out(&format!("\nwritten: {}", target.display()))
+}
+
+/// A line a cell.
+fn of_cells(tracked: &TrackedCells) -> String {
+    let mut lines = vec![format!("{}: {}", tracked.film, tracked.words())];
+    if let Some(film) = tracked.of_film() {
+        lines.push(of_film(film));
+    }
+    lines.extend(tracked.cells.iter().map(|cell| {
+        let name = &cell.name;
+        let Ok(tracked) = &cell.found else {
+            return format!("cell {name}: {}: {}", cell.status(), cell.reason());
+        };
+        let TrackReport { headline, resting_length_um, .. } = &*tracked.report;
+        let HeadlineReport { column, peak_contraction_pct, peak_frame, .. } = headline;
+        format!(
+            "cell {name}: contracts by {peak_contraction_pct:.2} % (frame {peak_frame}), read from {column}; length \
+             {resting_length_um:.1} um at rest"
+        )
+    }));
+    lines.join("\n")
+}
+
+/// What holds for all cells of a film.
+fn of_film(report: &TrackReport) -> String {
+    format!(
+        "{} of {} frames at {} /s ({}), pixels of {} um; at rest in frame {}; motion of the stage: {}, up to {:.2} um",
+        report.frames_followed,
+        report.frames,
+        rounded(report.frames_per_second),
+        report.frame_rate_source,
+        rounded(report.pixel_size_um),
+        report.rest_frame,
+        report.stage,
+        report.stage_largest_um
+    )
 }
 
 fn outputs(words: &[String]) -> Result<Vec<Output>, Failure> {

@@ -166,8 +166,8 @@ impl Cell {
     pub(crate) fn of_film(followed: &Followed, read: &Files) -> Self {
         let Followed { run, rest_picture, shaped, .. } = followed;
         let mut run = run.clone();
-        let mut files = BTreeMap::from([(REST.to_owned(), rest_picture.clone())]);
-        let mut bytes = ShapeBytes { shape: rest_picture.clone(), outline: None };
+        let mut files = BTreeMap::from([(REST.to_owned(), rest_picture.to_vec())]);
+        let mut bytes = ShapeBytes { shape: rest_picture.to_vec(), outline: None };
         if let Source::Picture(source) = &mut run.shape.source {
             REST.clone_into(&mut source.path);
             bytes.outline = source.outline.as_ref().and_then(|path| read.bytes(path).ok());

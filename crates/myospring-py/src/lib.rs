@@ -49,6 +49,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<tension_map::TensionMap>()?;
     module.add_class::<compare::Comparison>()?;
     module.add_class::<track::Motion>()?;
+    module.add_class::<track::Motions>()?;
     module.add_class::<study::Study>()?;
     module.add_class::<study::Members>()?;
     module.add_class::<segment::Segmentation>()?;
@@ -69,6 +70,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(presets::simulate_preset, module)?)?;
     module.add_function(wrap_pyfunction!(presets::load, module)?)?;
     module.add_function(wrap_pyfunction!(track::track, module)?)?;
+    module.add_function(wrap_pyfunction!(track::track_all, module)?)?;
     module.add_function(wrap_pyfunction!(metrics::metrics, module)?)?;
     module.add_function(wrap_pyfunction!(pictures::tiff, module)?)?;
     module.add_function(wrap_pyfunction!(whole_frame::whole_frame, module)?)?;

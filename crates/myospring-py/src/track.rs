@@ -4,8 +4,9 @@ use crate::cell::{pairs, triangles};
 use crate::errors;
 use crate::experiment::{self, Progress};
 use crate::settings;
+use crate::words;
 use myospring::experiment::Files;
-use myospring::experiment::track::{Output, Track, Tracked};
+use myospring::experiment::track::{FilmCell, Output, Track, TrackCells, Tracked, TrackedCells};
 use myospring::output::track::TrackRow;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _};
 use pyo3::prelude::*;
@@ -36,9 +37,15 @@ pub(crate) struct Motion {
     outcome: Tracked,
 }
 
+/// All cells of a film.
+#[pyclass(module = "myospring._native")]
+pub(crate) struct Motions {
+    files: Files,
+    outcome: TrackedCells,
+}
+
 /// Follows the cell of a film; `given` are settings by key.
 #[pyfunction]
-#[allow(clippy::too_many_arguments, reason = "they are those of Python")]
 pub(crate) fn track(
     py: Python<'_>,
     film: PathBuf,
@@ -48,16 +55,94 @@ pub(crate) fn track(
     threads: Option<usize>,
     progress: Progress,
 ) -> PyResult<Motion> {
-    let mut description = Track {
-        settings: settings::list(given)?,
-        frame_rate: frame_rate_per_s,
-        threads,
-        ..Track::of(film)
-    };
-    description.subset_um = subset_um.unwrap_or(description.subset_um);
+    let description = described(film, given, frame_rate_per_s, subset_um, threads)?;
     let files = Files::default();
     let outcome = experiment::run(py, &description, &files, progress)?;
     Ok(Motion { files, outcome })
+}
+
+/// Follows all cells of a film, as [`track`] does one.
+#[pyfunction]
+pub(crate) fn track_all(
+    py: Python<'_>,
+    film: PathBuf,
+    given: &Bound<'_, PyDict>,
+    frame_rate_per_s: Option<f64>,
+    subset_um: Option<f64>,
+    threads: Option<usize>,
+    progress: Progress,
+) -> PyResult<Motions> {
+    let description = described(film, given, frame_rate_per_s, subset_um, threads)?;
+    let files = Files::default();
+    let outcome = experiment::run(py, &TrackCells(description), &files, progress)?;
+    Ok(Motions { files, outcome })
+}
+
+fn described(
+    film: PathBuf,
+    given: &Bound<'_, PyDict>,
+    frame_rate: Option<f64>,
+    subset_um: Option<f64>,
+    threads: Option<usize>,
+) -> PyResult<Track> {
+    let settings = settings::list(given)?;
+    let description = Track { settings, frame_rate, threads, ..Track::of(film) };
+    Ok(Track { subset_um: subset_um.unwrap_or(description.subset_um), ..description })
+}
+
+#[pymethods]
+impl Motions {
+    /// All numbers, JSON.
+    #[getter]
+    fn numbers(&self) -> PyResult<String> {
+        experiment::numbers(&self.outcome)
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        experiment::warnings(&self.outcome)
+    }
+
+    /// In a sentence.
+    #[getter]
+    fn headline(&self) -> String {
+        self.outcome.words()
+    }
+
+    /// Name and motion of each cell that was followed.
+    #[getter]
+    fn cells(&self) -> Vec<(String, Motion)> {
+        let motion = |(cell, tracked): (&FilmCell, &Tracked)| {
+            let motion = Motion { files: self.files.clone(), outcome: tracked.clone() };
+            (cell.name.clone(), motion)
+        };
+        self.outcome.followed().map(motion).collect()
+    }
+
+    /// Name of each cell that was not followed, and why.
+    #[getter]
+    fn left_out(&self) -> Vec<(String, String)> {
+        let cells = self.outcome.cells.iter().filter(|cell| cell.found.is_err());
+        cells.map(|cell| (cell.name.clone(), words::in_python(cell.reason()))).collect()
+    }
+
+    /// Writes what `myospring track --cell all` writes; the folder.
+    #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+    fn save(
+        &mut self,
+        py: Python<'_>,
+        folder: PathBuf,
+        force: bool,
+        outputs: Option<Vec<String>>,
+    ) -> PyResult<PathBuf> {
+        let outputs = asked(py, outputs)?;
+        for cell in &mut self.outcome.cells {
+            if let Ok(tracked) = &mut cell.found {
+                tracked.outputs.clone_from(&outputs);
+            }
+        }
+        experiment::save(py, &self.outcome, &folder, force, &self.files)
+    }
 }
 
 #[pymethods]
@@ -141,14 +226,14 @@ impl Motion {
         force: bool,
         outputs: Option<Vec<String>>,
     ) -> PyResult<PathBuf> {
-        self.outcome.outputs = match &outputs {
-            None => Output::DEFAULT.to_vec(),
-            Some(words) => {
-                words.iter().map(|word| output(py, word)).collect::<PyResult<Vec<_>>>()?
-            }
-        };
+        self.outcome.outputs = asked(py, outputs)?;
         experiment::save(py, &self.outcome, &folder, force, &self.files)
     }
+}
+
+fn asked(py: Python<'_>, outputs: Option<Vec<String>>) -> PyResult<Vec<Output>> {
+    let Some(words) = outputs else { return Ok(Output::DEFAULT.to_vec()) };
+    words.iter().map(|word| output(py, word)).collect()
 }
 
 fn output(py: Python<'_>, word: &str) -> PyResult<Output> {

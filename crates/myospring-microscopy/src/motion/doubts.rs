@@ -26,6 +26,18 @@ impl CellMotion {
         all.into_iter().flatten().collect()
     }
 
+    /// Whether the cell neither shortens, lengthens nor strains by more than its noise.
+    pub fn hardly_moves(&self) -> bool {
+        let (lengths, stretches) = (self.lengths_um(), self.stretches());
+        let rest = lengths[self.rest_index()];
+        let moves = |at: usize| {
+            let changed = 100.0 * (1.0 - lengths[at] / rest).abs();
+            changed.max(100.0 * (1.0 - stretches[at].smaller))
+        };
+        let most = self.frames_with_cell().into_iter().map(moves).fold(0.0, f64::max);
+        most < self.least_contraction_pct()
+    }
+
     fn without_sarcomeres(&self) -> Option<String> {
         let none = self.sarcomere_places > 0 && self.sarcomeres_by_part_um.is_empty();
         none.then(|| {
@@ -65,12 +77,9 @@ impl CellMotion {
         let shortening = || seen.iter().map(|&at| 100.0 * (1.0 - lengths[at] / rest));
         let shortest = shortening().fold(0.0, f64::max);
         let longest = shortening().map(|pct| -pct).fold(0.0, f64::max);
-        let stretches = self.stretches();
-        let strains = seen.iter().map(|&at| 100.0 * (1.0 - stretches[at].smaller));
-        let strained = strains.fold(0.0, f64::max);
         let error_pct = 100.0 * self.error_um.unwrap_or(0.0) / rest;
         let least = self.least_contraction_pct();
-        if shortest.max(longest).max(strained) < least {
+        if self.hardly_moves() {
             return Some(format!(
                 "the cell hardly moves: it shortens by {shortest:.3} % at most, while the noise makes an error of \
                  {error_pct:.3} %"

@@ -12,6 +12,9 @@ const FEWEST_FITTED: usize = 5;
 pub(super) const SMOOTHING: f32 = 2.0;
 const LEAST_SPREAD: f64 = 0.02;
 
+/// Distance of neighbours, in spacings of the lattice.
+pub(super) const REACH: f32 = 2.6;
+
 /// Lists of points near each other.
 #[derive(Debug, Clone)]
 pub(super) struct Neighbours {

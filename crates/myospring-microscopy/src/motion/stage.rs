@@ -15,9 +15,12 @@ pub enum Stage {
         /// Number of places in the background with enough texture.
         points: usize,
     },
-    /// From the cell, because the background has too little texture: the mean displacement of its
-    /// points, weighted by area.
-    CellMean,
+    /// From the cells, because the background has too little texture: the mean displacement of
+    /// their points, weighted by area.
+    CellMean {
+        /// Number of cells.
+        cells: usize,
+    },
 }
 
 /// Least distance of the background from any cell, um: nearer to it, the cell pulls the substrate

@@ -99,6 +99,9 @@ export class OwnChart {
     if (chart.perUnit > 1) axis.textContent = "Time (s)";
     title.prepend(chart.heading);
     figure.setAttribute("aria-label", chart.description);
+    const runs = this.#data.series.filter(({ tone }) => /^\d+$/.test(tone));
+    const entries = runs.map(({ label, tone }) => make("li", {}, swatch(Number(tone)), label));
+    if (runs.length > 1) this.element.append(make("ul", { class: "legend" }, ...entries));
     chart.over.addEventListener("pointermove", (event) => {
       const time = chart.timeAt(event.clientX);
       const values = chart.series.map((series) => quantity(valueAt(series, time), chart.data.unit));

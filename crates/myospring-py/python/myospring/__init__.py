@@ -29,7 +29,7 @@ from myospring._presets import presets, simulate_preset
 from myospring._segment import SegmentedCell, Segmentation, segment
 from myospring._study import Index, Morris, Sobol, StudyResult, run_study
 from myospring._tension_map import TensionMap, tension_map
-from myospring._track import Motion, track
+from myospring._track import FilmCells, Motion, track
 from myospring._whole_frame import WholeFrame, whole_frame
 
 # Without a handler of the user's, nothing is shown.
@@ -45,6 +45,7 @@ __all__ = [
     "Cell",
     "Comparison",
     "Estimate",
+    "FilmCells",
     "Fit",
     "Fits",
     "FittedCurve",

@@ -16,6 +16,7 @@ __all__ = [
     "Analysis",
     "Comparison",
     "Motion",
+    "Motions",
     "Study",
     "Members",
     "Segmentation",
@@ -180,6 +181,22 @@ class Motion:
     ) -> str | PathLike[str]: ...
 
 @final
+class Motions:
+    @property
+    def numbers(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def headline(self) -> str: ...
+    @property
+    def cells(self) -> list[tuple[str, Motion]]: ...
+    @property
+    def left_out(self) -> list[tuple[str, str]]: ...
+    def save(
+        self, folder: str | PathLike[str], force: bool, outputs: list[str] | None
+    ) -> str | PathLike[str]: ...
+
+@final
 class FilmFit:
     @property
     def cell(self) -> Cell: ...
@@ -336,6 +353,14 @@ def track(
     threads: int | None,
     progress: _Progress,
 ) -> Motion: ...
+def track_all(
+    film: str,
+    given: dict[str, Any],
+    frame_rate_per_s: float | None,
+    subset_um: float | None,
+    threads: int | None,
+    progress: _Progress,
+) -> Motions: ...
 def fit_film(
     film: str,
     given: dict[str, Any],

@@ -8,7 +8,7 @@ import os
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, Sequence
+from typing import Any, Iterator, Literal, Sequence, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -231,6 +231,103 @@ class Motion:
         return f"<div><b>{html.escape(repr(self)[1:-1])}</b><table>{table}</table>{warnings}</div>"
 
 
+class FilmCells(Sequence[Motion]):
+    """The cells of a film, the largest first; the result of ``track(..., cell="all")``.
+
+    They share the frame at rest and the motion of the stage.
+
+    Attributes
+    ----------
+    names : list of str
+        Name of each cell, in the same order: its number by size, or the label or name that a file gives.
+    left_out : dict of str to str
+        Why a cell was not followed, by its name.
+    numbers : dict
+        All numbers by name, as ``cells.json`` has them.
+    warnings : list of str
+        Warnings to read before the numbers are used.
+    """
+
+    def __init__(self, native: _native.Motions) -> None:
+        self._native = native
+        cells = native.cells
+        self.names: list[str] = [name for name, _ in cells]
+        self._cells = [Motion(motion) for _, motion in cells]
+        self.left_out: dict[str, str] = dict(native.left_out)
+        self.warnings: list[str] = native.warnings
+
+    @cached_property
+    def numbers(self) -> dict[str, Any]:
+        numbers: dict[str, Any] = json.loads(self._native.numbers)
+        return numbers
+
+    def __len__(self) -> int:
+        return len(self._cells)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self._cells[index]
+
+    def __iter__(self) -> Iterator[Motion]:
+        return iter(self._cells)
+
+    def to_dataframe(self) -> Any:
+        """Returns the contraction of every cell over time as a table; needs pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row per frame, by ``t_ms``, and one column per cell: its contraction by the most reliable measure, per cent.
+        """
+        import pandas
+
+        index = pandas.Index(self._cells[0].t_ms if self._cells else [], name="t_ms")
+        return pandas.DataFrame({name: one.contraction_pct for name, one in zip(self.names, self._cells)}, index=index)
+
+    def save(
+        self, folder: str | PathLike[str], *, force: bool = False, outputs: Sequence[str] | str | None = None
+    ) -> Path:
+        """Writes the files of ``myospring track --cell all``.
+
+        Parameters
+        ----------
+        folder : path
+            Created if it does not exist.
+        force : bool
+            Whether to replace results in the folder, as in `Motion.save`.
+        outputs : sequence of str, str or None
+            What to write of each cell, as in `Motion.save`.
+
+        Returns
+        -------
+        pathlib.Path
+            The folder.
+
+        Raises
+        ------
+        UnknownNameError
+            An unknown word.
+        OSError
+            The folder contains files, or cannot be written to.
+        """
+        words = outputs.split(",") if isinstance(outputs, str) else None if outputs is None else list(outputs)
+        return Path(self._native.save(os.fspath(folder), force, words))
+
+    def __repr__(self) -> str:
+        return f"<myospring.FilmCells: {self._native.headline}>"
+
+
+@overload
+def track(  # type: ignore[overload-overlap]
+    film: str | PathLike[str] | ArrayLike, *, cell: Literal["all"], **given: Any
+) -> FilmCells: ...
+
+
+@overload
+def track(
+    film: str | PathLike[str] | ArrayLike, *, cell: int | str | None = None, **given: Any
+) -> Motion: ...
+
+
 def track(
     film: str | PathLike[str] | ArrayLike,
     *,
@@ -248,7 +345,7 @@ def track(
     stain: Literal["z-disc", "filament"] | None = None,
     threads: int | None = None,
     progress: Progress = None,
-) -> Motion:
+) -> Motion | FilmCells:
     """Tracks a cell in a film by digital image correlation, as ``myospring track`` does.
 
     Parameters
@@ -266,7 +363,7 @@ def track(
     outline : path or None
         Outline of the cell, drawn on the frame at rest.
     cell, seed, modality : int or str, tuple of two floats, str or None
-        Choice of the cell in the frame at rest, and how it is found, as in `Cell.from_image`.
+        Choice of the cell in the frame at rest, and how it is found, as in `Cell.from_image`. "all" follows every cell.
     channel : int or None
         Channel of the film, from 0.
     allow_cut : bool
@@ -283,8 +380,8 @@ def track(
 
     Returns
     -------
-    Motion
-        The cell, frame by frame.
+    Motion or FilmCells
+        The cell, frame by frame; for ``cell="all"`` all cells of the film.
 
     Raises
     ------
@@ -298,14 +395,16 @@ def track(
         ("shape.spacing", spacing_um, None),
         ("segmentation.outline", outline, None),
         ("segmentation.frame", frame, None),
-        ("segmentation.cell", cell, None),
+        ("segmentation.cell", None if cell == "all" else cell, None),
         ("segmentation.seed", seed, None),
         ("segmentation.modality", modality, None),
         ("segmentation.channel", channel, None),
         ("segmentation.allow_cut", allow_cut, False),
         ("mechanics.stain", stain, None),
     )
+    every = cell == "all"
     with film_path(film) as path:
-        motion = Motion(_native.track(path, given, frame_rate_per_s, subset_um, threads, heard(progress)))
+        asked = (path, given, frame_rate_per_s, subset_um, threads, heard(progress))
+        motion = FilmCells(_native.track_all(*asked)) if every else Motion(_native.track(*asked))
     warn(motion.warnings)
     return motion

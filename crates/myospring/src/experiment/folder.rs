@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Resolution of the PNG figures, dots per inch.
 const DPI: f64 = 300.0;
@@ -20,7 +20,7 @@ pub type Draw<'a> = &'a (dyn Fn() -> Result<Figure, FigureError> + Sync);
 /// A folder of results in progress: files go to a hidden folder until all are written.
 pub struct Folder {
     target: PathBuf,
-    draft: Draft,
+    draft: Arc<Draft>,
     force: bool,
     /// Where the files are to be listed.
     manifest: Manifest,
@@ -28,7 +28,9 @@ pub struct Folder {
     has_manifest: bool,
     reads: Reads,
     /// Names of the files that were written, and their sizes.
-    written: Mutex<BTreeMap<String, u64>>,
+    written: Arc<Mutex<BTreeMap<String, u64>>>,
+    /// What stands before the names of files: empty, or the part of the folder that this is, `cells/1/`.
+    place: String,
 }
 
 impl Folder {
@@ -42,8 +44,9 @@ impl Folder {
         let reads = files.reads();
         Self::check_beside(target, force, &reads)?;
         let (draft, manifest) = (Self::begin(target)?, Manifest::of(target));
-        let (target, written) = (target.to_owned(), Mutex::default());
-        Ok(Self { target, draft, force, manifest, has_manifest: true, reads, written })
+        let (target, draft) = (target.to_owned(), Arc::new(draft));
+        let (written, place) = (Arc::default(), String::new());
+        Ok(Self { target, draft, force, manifest, has_manifest: true, reads, written, place })
     }
 
     /// Refuses a folder that is not empty, unless `force`. With `force` it refuses one with files
@@ -83,9 +86,33 @@ impl Folder {
     /// A part that another run is writing to, or that holds files which may not be replaced.
     pub fn claim_part(part: Manifest, files: &Files) -> Result<Self, ExperimentError> {
         let target = part.folder();
-        let (draft, reads, written) = (Self::begin(&target)?, files.reads(), Mutex::default());
+        let (draft, reads) = (Arc::new(Self::begin(&target)?), files.reads());
         part.check_replaceable(&reads)?;
-        Ok(Self { target, draft, force: true, manifest: part, has_manifest: false, reads, written })
+        let (written, place, manifest) = (Arc::default(), String::new(), part);
+        Ok(Self {
+            target,
+            draft,
+            force: true,
+            manifest,
+            has_manifest: false,
+            reads,
+            written,
+            place,
+        })
+    }
+
+    /// A folder within this one, which is finished with it.
+    pub(super) fn within(&self, place: &str) -> Self {
+        Self {
+            target: self.target.clone(),
+            draft: Arc::clone(&self.draft),
+            force: self.force,
+            manifest: self.manifest.clone(),
+            has_manifest: self.has_manifest,
+            reads: self.reads.clone(),
+            written: Arc::clone(&self.written),
+            place: format!("{}{place}/", self.place),
+        }
     }
 
     fn begin(target: &Path) -> Result<Draft, ExperimentError> {
@@ -107,13 +134,14 @@ impl Folder {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), ExperimentError> {
-        let path = self.draft.folder().join(name);
+        let name = format!("{}{name}", self.place);
+        let path = self.draft.folder().join(&name);
         if let Some(parent) = path.parent() {
             files::create_folder(parent)?;
         }
         let content = content.as_ref();
         files::write(&path, content)?;
-        self.written().insert(name.to_owned(), content.len() as u64);
+        self.written().insert(name, content.len() as u64);
         Ok(())
     }
 

@@ -190,7 +190,7 @@ impl Outcome for Segmented {
 }
 
 /// The requested cells and, if all were requested, those that are left out, each with the reason.
-fn chosen(
+pub(super) fn chosen(
     cells: &PictureCells,
     source: &PictureSource,
     all: bool,
@@ -217,7 +217,7 @@ fn chosen(
 }
 
 /// The cells whose size a heart cell may have, and the numbers of the others with the reason.
-fn of_possible_size(
+pub(super) fn of_possible_size(
     shape: &Shape,
     cells: &PictureCells,
     chosen: Vec<PictureCell>,

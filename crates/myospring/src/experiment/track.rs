@@ -1,33 +1,24 @@
 //! The motion of a cell through a film: its length, width, strains and sarcomeres, frame by frame.
 
+mod cells;
 mod description;
 mod followed;
 mod open;
 mod outputs;
 mod page;
 mod report;
+mod tracked;
 
+pub use cells::{FilmCell, TrackCells, TrackedCells};
 pub use description::{Output, Track};
 pub use followed::Followed;
 pub use report::{HeadlineReport, TrackReport};
+pub use tracked::Tracked;
 
 use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
-use crate::microscopy::outlines::{NamedOutline, write_geojson};
-use crate::output::{json, track as table};
 use followed::AtRest;
 use serde::Serialize;
-
-/// A cell that was followed.
-pub struct Tracked {
-    /// Name of the film.
-    pub name: String,
-    /// The film, the cell and its motion.
-    pub followed: Followed,
-    /// Every number, and a row for each frame.
-    pub report: TrackReport,
-    /// What is saved in addition to the curve.
-    pub outputs: Vec<Output>,
-}
+use std::sync::Arc;
 
 impl Track {
     /// Checks the settings and that the film exists; returns the name of the results.
@@ -50,8 +41,11 @@ impl Track {
         observer: &dyn Observer,
     ) -> Result<Followed, ExperimentError> {
         let at_rest = AtRest::find(self, files, observer)?;
+        let cell = at_rest.cell(self, files)?;
         observer.keeps("the frames that are done are written");
-        at_rest.follow(self, observer)
+        let one = at_rest.follow(vec![cell], self, observer)?.into_iter();
+        let one: Result<Vec<Followed>, _> = one.collect();
+        one.map(|mut one| one.swap_remove(0)).map_err(|cause| followed::unfollowed(self, &cause))
     }
 }
 
@@ -60,15 +54,15 @@ impl Experiment for Track {
 
     fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Tracked, ExperimentError> {
         let name = self.check(files)?;
-        let followed = self.follow(files, observer)?;
-        let report = TrackReport::of(&self.film, &followed);
+        let followed = Arc::new(self.follow(files, observer)?);
+        let report = Arc::new(TrackReport::of(&self.film, &followed));
         Ok(Tracked { name, followed, report, outputs: self.outputs.clone() })
     }
 }
 
 impl Outcome for Tracked {
     fn numbers(&self) -> impl Serialize {
-        &self.report
+        &*self.report
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -76,15 +70,7 @@ impl Outcome for Tracked {
     }
 
     fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
-        let Self { name, followed, report, outputs } = self;
-        folder.write("track.csv", table::to_csv(&report.rows)?)?;
-        folder.write("track.json", json::for_people(report)?)?;
-        folder.write("rest.tif", &followed.rest_picture)?;
-        let outline = followed.shaped.outline.clone();
-        folder.write(
-            "outline.geojson",
-            write_geojson(&[NamedOutline { name: name.clone(), outline }]),
-        )?;
-        outputs::write(folder, outputs, followed, report, observer)
+        folder.write("rest.tif", &*self.followed.rest_picture)?;
+        self.save_cell(folder, observer)
     }
 }

@@ -271,22 +271,32 @@ impl Shape {
         self.mesh_cell(cells, cell)
     }
 
-    /// Meshes one cell of a picture.
+    /// Meshes one cell of a picture, with a warning if others were not taken.
     ///
     /// # Errors
     /// A size impossible for a heart cell, or a spacing that does not fit the cell.
     pub fn mesh_cell(&self, cells: PictureCells, cell: PictureCell) -> Result<Shaped, ShapeError> {
-        self.check_size(&cells, &cell)?;
-        let (mesh, mut report) = self.lattice(&cells, &cell)?;
-        report.warnings.extend(cells.notes.iter().cloned());
-        if cells.len() > 1 {
-            report.warnings.push(format!(
+        let others = (cells.len() > 1).then(|| {
+            format!(
                 "the picture has {} cells; cell {} was taken, {:.0} um^2 (--cell N or --seed X,Y takes another)",
                 cells.len(),
                 cell.number,
                 cell.outline.area()
-            ));
-        }
+            )
+        });
+        let mut shaped = self.mesh_each(cells, cell)?;
+        shaped.report.warnings.extend(others);
+        Ok(shaped)
+    }
+
+    /// Meshes one cell of a picture whose cells are all taken.
+    ///
+    /// # Errors
+    /// As of [`Shape::mesh_cell`].
+    pub fn mesh_each(&self, cells: PictureCells, cell: PictureCell) -> Result<Shaped, ShapeError> {
+        self.check_size(&cells, &cell)?;
+        let (mesh, mut report) = self.lattice(&cells, &cell)?;
+        report.warnings.extend(cells.notes.iter().cloned());
         report.warnings.extend(cell.warnings());
         let outline = cell.outline.clone();
         Ok(Shaped { mesh, report, outline, picture: Some((cells, cell)) })

@@ -76,6 +76,11 @@ impl FilmScene {
         if (0.0..1.0).contains(&part) { (0.5 * TAU * part.sqrt()).sin().powi(2) } else { 0.0 }
     }
 
+    /// How strong the beat is in the frame in which it is strongest.
+    pub(crate) fn strength_most(&self) -> f64 {
+        (0..self.frames).map(|frame| self.strength(frame)).fold(0.0, f64::max)
+    }
+
     /// Motion of the stage in a frame, um.
     pub(crate) fn stage(&self, frame: usize) -> [f64; 2] {
         let turn = TAU * frame as f64 / self.frames as f64;
@@ -140,7 +145,7 @@ impl FilmScene {
     }
 
     /// What rests at the place that is seen at a point.
-    fn origin(&self, seen: [f64; 2], frame: usize) -> [f64; 2] {
+    pub(crate) fn origin(&self, seen: [f64; 2], frame: usize) -> [f64; 2] {
         let stage = self.stage(frame);
         let seen = [seen[0] - stage[0], seen[1] - stage[1]];
         let mut rest = seen;

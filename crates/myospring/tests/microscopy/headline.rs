@@ -37,7 +37,7 @@ fn motion(displacement: impl Fn([f64; 2], usize) -> [f64; 2]) -> CellMotion {
         displacements_um: (0..FRAMES).map(displaced).collect(),
         interpolated: vec![vec![false; mesh.len()]; FRAMES],
         correlation: vec![Some(0.99); FRAMES],
-        stage: Stage::CellMean,
+        stage: Stage::CellMean { cells: 1 },
         stage_um: vec![[0.0; 2]; FRAMES],
         sarcomeres_um: vec![None; FRAMES],
         sarcomere_places: 0,

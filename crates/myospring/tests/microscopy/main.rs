@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests may fail")]
 
+#[path = "../common/cells_film.rs"]
+mod cells_film;
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../common/film_bytes.rs"]
@@ -24,6 +26,7 @@ mod touching_cells;
 mod warped_film;
 
 mod fibres;
+mod film_cells;
 mod films;
 mod fuzz_corpus;
 mod headline;

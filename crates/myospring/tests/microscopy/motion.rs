@@ -113,7 +113,7 @@ fn the_motion_of_the_stage_is_that_of_the_background() {
     }
     // Without beads it is the mean of the cell.
     let plain = followed(&FilmScene { beads: false, frames: 4, ..scene });
-    assert_eq!(plain.stage, Stage::CellMean);
+    assert_eq!(plain.stage, Stage::CellMean { cells: 1 });
 }
 
 #[test]

@@ -133,7 +133,7 @@ impl FollowedFilm {
     ) -> Result<(), ExperimentError> {
         let within = |file: &str| format!("{FOLDER}/{file}");
         folder.write(&within("track.csv"), table::to_csv(&self.rows)?)?;
-        folder.write(&within("rest.tif"), &self.followed.rest_picture)?;
+        folder.write(&within("rest.tif"), &*self.followed.rest_picture)?;
         let outline = self.followed.shaped.outline.clone();
         let outline = NamedOutline { name: name.to_owned(), outline };
         folder.write(&within("outline.geojson"), write_geojson(&[outline]))?;

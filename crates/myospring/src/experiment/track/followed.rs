@@ -3,34 +3,47 @@
 use super::description::Track;
 use super::open;
 use crate::experiment::input::{mesh_picture, settle_with};
+use crate::experiment::refused::Refused;
+use crate::experiment::segment::{self, LeftOut};
 use crate::experiment::{ExperimentError, Files, Observer};
+use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::film::Film;
-use crate::microscopy::motion::{self, CellAtRest, CellMotion, Rest, TrackingSettings};
+use crate::microscopy::motion::{
+    self, CellAtRest, CellMotion, MotionError, Rest, TrackingSettings,
+};
 use crate::microscopy::picture::{PixelSizeSource, StatedPixelSize};
+use crate::microscopy::segment::Choice;
 use crate::run_file::{Origin, Shaped, Source};
 use crate::settings::{Fibres, PictureSource, Run, ShapeBytes, Value};
 use std::path::Path;
+use std::sync::Arc;
 
-/// A film with its cell at rest.
+/// A film with its frame at rest.
 pub(super) struct AtRest {
     film: Film,
     rest: Rest,
     run: Run,
-    rest_picture: Vec<u8>,
-    shaped: Shaped,
-    fibres: Fibres,
+    pub(super) rest_picture: Vec<u8>,
+    bytes: ShapeBytes,
     frames_per_second: f64,
     rate_given: bool,
 }
 
+/// A cell in the frame at rest.
+pub(super) struct CellShape {
+    run: Run,
+    shaped: Shaped,
+    fibres: Fibres,
+}
+
 /// A film with the motion of its cell.
 pub struct Followed {
-    /// The film.
-    pub film: Film,
+    /// The film; cells that were followed together share it.
+    pub film: Arc<Film>,
     /// The settings of the cell; its shape is that of `rest_picture`.
     pub run: Run,
     /// The frame at rest, a TIFF.
-    pub rest_picture: Vec<u8>,
+    pub rest_picture: Arc<Vec<u8>>,
     /// The cell at rest on its mesh.
     pub shaped: Shaped,
     /// Its fibres.
@@ -55,7 +68,7 @@ pub(super) fn settled(
 }
 
 impl AtRest {
-    /// Opens a film and finds the cell at rest.
+    /// Opens a film and finds its frame at rest.
     pub(super) fn find(
         track: &Track,
         files: &Files,
@@ -100,46 +113,94 @@ impl AtRest {
         let selection = &mut source.options.selection;
         (selection.frame, selection.channel, selection.depth) = (0, None, None);
         let bytes = ShapeBytes { shape: rest_picture.clone(), outline: outline(source, files)? };
-        let shaped = mesh_picture(&run, &bytes, track.refused.clone(), files)?;
-        let Some((cells, cell)) = &shaped.picture else {
-            return Err(failed(&"it shows no cell"));
-        };
-        let fibres = run.fibre.on(&shaped.mesh, Some((cells, cell)))?;
         let rate_given = track.frame_rate.is_some();
-        Ok(Self { film, rest, run, rest_picture, shaped, fibres, frames_per_second, rate_given })
+        Ok(Self { film, rest, run, rest_picture, bytes, frames_per_second, rate_given })
     }
 
-    /// Follows the cell.
-    pub(super) fn follow(
-        self,
+    /// The cell that the settings choose.
+    pub(super) fn cell(&self, track: &Track, files: &Files) -> Result<CellShape, ExperimentError> {
+        let shaped = mesh_picture(&self.run, &self.bytes, track.refused.clone(), files)?;
+        CellShape::of(self.run.clone(), shaped)
+    }
+
+    /// All cells of the frame, and those that are left out, each with the reason.
+    pub(super) fn cells(
+        &self,
         track: &Track,
+        files: &Files,
         observer: &dyn Observer,
-    ) -> Result<Followed, ExperimentError> {
-        let Self { film, rest, run, rest_picture, shaped, fibres, frames_per_second, rate_given } =
-            self;
-        let Some((cells, cell)) = &shaped.picture else {
+    ) -> Result<FrameCells, ExperimentError> {
+        let shape = &self.run.shape;
+        let Source::Picture(source) = &shape.source else {
             return Err(ExperimentError::new("the film shows no cell"));
         };
-        let inside = cell.mask.inside();
-        let any_cell = match cells.segmentation() {
+        let (picture, place) = (source.path.as_str(), track.refused.clone());
+        let refused = Refused { picture, shape, place, files };
+        observer.stage("outlines", 1);
+        let cells =
+            source.cells(&self.bytes).map_err(|cause| refused.without_cells(cause, &self.bytes))?;
+        let (chosen, mut left_out) = segment::chosen(&cells, source, true, source.allow_cut)
+            .map_err(|cause| refused.with_cells(source.failed(cause), &cells, true))?;
+        let (chosen, impossible) = segment::of_possible_size(shape, &cells, chosen);
+        let first = impossible.into_iter().map(|(number, cause)| {
+            left_out.push(LeftOut { number, reason: cause.to_string(), cut: false });
+            cause
+        });
+        if let (Some(cause), true) = (first.last(), chosen.is_empty()) {
+            return Err(refused.with_cells(cause, &cells, true));
+        }
+        observer.reached(1);
+        let mut shapes = Vec::new();
+        observer.stage("fibres of cells", chosen.len() as u64);
+        for (done, cell) in (1..).zip(chosen) {
+            let mut run = self.run.clone();
+            if let Some(choice) = run.shape.source.choice_mut() {
+                *choice = Choice::Number(cell.number);
+            }
+            let shape = shape.mesh_each(cells.clone(), cell.clone());
+            let shape = shape.map_err(ExperimentError::new);
+            let shape = shape.and_then(|shaped| CellShape::of(run, shaped));
+            shapes.push((cell, shape.map_err(|error| error.to_string())));
+            observer.reached(done);
+            observer.interruption().check().map_err(ExperimentError::new)?;
+        }
+        Ok(FrameCells { cells, shapes, left_out })
+    }
+
+    /// Follows cells together; for each its motion, or why it cannot be followed.
+    pub(super) fn follow(
+        self,
+        shapes: Vec<CellShape>,
+        track: &Track,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Result<Followed, MotionError>>, ExperimentError> {
+        let Self { film, rest, rest_picture, frames_per_second, rate_given, .. } = self;
+        let insides: Vec<Vec<bool>> = shapes.iter().map(CellShape::inside).collect();
+        let found = shapes.first().and_then(|shape| shape.shaped.picture.as_ref());
+        let found = found.and_then(|(cells, _)| cells.segmentation());
+        let [width, height] = film.size();
+        let any_cell: Vec<bool> = match found {
             Some(found) => found.numbers.iter().map(|&number| number > 0).collect(),
-            None => inside.clone(),
+            None => (0..width * height).map(|at| insides.iter().any(|it| it[at])).collect(),
         };
         let settings = TrackingSettings {
             frames_per_second,
             subset_um: track.subset_um,
             threads: track.threads,
         };
-        let seen = CellAtRest {
-            mesh: &shaped.mesh,
-            inside: &inside,
-            any_cell: &any_cell,
-            pixel_size: cells.pixel_size,
-            fibres: fibres.seen.as_ref().map(|seen| &seen.field),
-        };
+        let seen = shapes.iter().zip(&insides).filter_map(|(shape, inside)| {
+            Some(CellAtRest {
+                mesh: &shape.shaped.mesh,
+                inside,
+                any_cell: &any_cell,
+                pixel_size: shape.shaped.picture.as_ref()?.0.pixel_size,
+                fibres: shape.fibres.seen.as_ref().map(|seen| &seen.field),
+            })
+        });
+        let seen: Vec<CellAtRest<'_>> = seen.collect();
         let interruption = observer.interruption();
         let mut begun = false;
-        let motion = motion::follow(&film, rest, &seen, settings, |(done, all)| {
+        let motions = motion::follow_all(&film, rest, &seen, settings, |(done, all)| {
             if !begun {
                 observer.stage("frames", all as u64);
                 begun = true;
@@ -147,20 +208,52 @@ impl AtRest {
             observer.reached(done as u64);
             !interruption.is_requested()
         });
-        let motion = motion.map_err(|error| {
-            ExperimentError::new(format!("`{}`: {error}", track.film.display()))
-        })?;
-        Ok(Followed {
-            film,
-            run,
-            rest_picture,
-            shaped,
-            fibres,
-            motion,
-            frames_per_second,
-            rate_given,
-        })
+        let motions = motions.map_err(|error| unfollowed(track, &error))?;
+        let (film, rest_picture) = (Arc::new(film), Arc::new(rest_picture));
+        let followed = shapes.into_iter().zip(motions).map(|(shape, motion)| {
+            let CellShape { run, shaped, fibres } = shape;
+            motion.map(|motion| Followed {
+                film: Arc::clone(&film),
+                run,
+                rest_picture: Arc::clone(&rest_picture),
+                shaped,
+                fibres,
+                motion,
+                frames_per_second,
+                rate_given,
+            })
+        });
+        Ok(followed.collect())
     }
+}
+
+/// The cells of the frame at rest.
+pub(super) struct FrameCells {
+    /// The picture with all cells.
+    pub(super) cells: PictureCells,
+    /// Each cell that was chosen, on its mesh, or why it has none.
+    pub(super) shapes: Vec<(PictureCell, Result<CellShape, String>)>,
+    /// The others.
+    pub(super) left_out: Vec<LeftOut>,
+}
+
+impl CellShape {
+    fn of(run: Run, shaped: Shaped) -> Result<Self, ExperimentError> {
+        let Some((cells, cell)) = &shaped.picture else {
+            return Err(ExperimentError::new("the film shows no cell"));
+        };
+        let fibres = run.fibre.on(&shaped.mesh, Some((cells, cell)))?;
+        Ok(Self { run, shaped, fibres })
+    }
+
+    fn inside(&self) -> Vec<bool> {
+        self.shaped.picture.as_ref().map(|(_, cell)| cell.mask.inside()).unwrap_or_default()
+    }
+}
+
+/// A film that cannot be followed.
+pub(super) fn unfollowed(track: &Track, cause: &MotionError) -> ExperimentError {
+    ExperimentError::new(format!("`{}`: {cause}", track.film.display()))
 }
 
 /// Frames a second, or why they are not known.

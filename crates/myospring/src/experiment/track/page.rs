@@ -41,10 +41,12 @@ pub(super) fn html(
         folded: (String::new(), Vec::new()),
         words: String::new(),
     };
+    let mut measured = how_measured(report);
+    measured.extend(how_this_cell(report));
     let sections = vec![
         Section::new("key", "Key numbers", vec![Part::Tiles(tiles(report))]),
         Section::new("beat", "The film", vec![Part::Beat(beat)]),
-        Section::new("notes", "How it was measured", vec![Part::Words(measured(report))]),
+        Section::new("notes", "How it was measured", vec![Part::Words(measured)]),
     ];
     let headline = &report.headline;
     let quality = if report.warnings.is_empty() { Quality::Good } else { Quality::Fair };
@@ -72,10 +74,10 @@ pub(super) fn html(
     page::html(&page)
 }
 
-/// How the motion was measured.
-fn measured(report: &TrackReport) -> Vec<String> {
-    let mut words = vec![
-        format!("The cell is at rest in frame {}.", report.rest_frame),
+/// How the motion of a film was measured.
+pub(super) fn how_measured(report: &TrackReport) -> Vec<String> {
+    vec![
+        format!("The frame at rest is frame {}.", report.rest_frame),
         format!(
             "Pixels of {:.4} um ({}); {:.4} frames a second ({}).",
             report.pixel_size_um,
@@ -83,12 +85,14 @@ fn measured(report: &TrackReport) -> Vec<String> {
             report.frames_per_second,
             report.frame_rate_source
         ),
-        format!(
-            "{} points, {:.2} um apart, each followed by a square of {:.1} um.",
-            report.points, report.spacing_um, report.subset_um
-        ),
+        format!("Each point is followed by a square of {:.1} um.", report.subset_um),
         format!("Motion of the stage: {}, up to {:.2} um.", report.stage, report.stage_largest_um),
-    ];
+    ]
+}
+
+/// How the motion of one cell was measured.
+fn how_this_cell(report: &TrackReport) -> Vec<String> {
+    let mut words = vec![format!("{} points, {:.2} um apart.", report.points, report.spacing_um)];
     if let Some(error) = report.noise_error_um {
         words.push(format!("Noise moves a point by {error:.4} um (standard error)."));
     }

@@ -163,7 +163,12 @@ impl TrackReport {
         let shortening = shortest.and_then(|(at, _)| motion.sarcomere_shortening_pct(at));
         let stage = match motion.stage {
             Stage::Background { points } => format!("background, median over {points} places"),
-            Stage::CellMean => "mean of the cell (the background has no texture)".to_owned(),
+            Stage::CellMean { cells: 1 } => {
+                "mean of the cell (the background has no texture)".to_owned()
+            }
+            Stage::CellMean { cells } => {
+                format!("mean of {cells} cells (the background has no texture)")
+            }
         };
         let spacing_um = shaped.report.spacing_um;
         let picture = shaped.picture.as_ref();

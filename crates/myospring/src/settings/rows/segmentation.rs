@@ -172,8 +172,8 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--cell",
         "all|largest|N",
-        "Which cell: largest, or a number by size, 1 being the largest; segment and batch also \
-         take all",
+        "Which cell: largest, or a number by size, 1 being the largest; segment, track and batch \
+         also take all",
     ),
     Setting::quantity(
         "segmentation.min_area",
