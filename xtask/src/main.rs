@@ -8,6 +8,7 @@ mod python;
 mod test;
 mod tools;
 mod verify;
+mod web;
 
 use std::process::{Command, ExitCode};
 use tools::{cargo, root, say, step, temporary};
@@ -21,6 +22,7 @@ Commands:
   test         Format, lints, tests, documentation, licences and the example run files: all that must pass
   verify       Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
   bench        Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
+  web          Build the page: one HTML file with the engine inside, target/web/myospring.html
   licences     Collect the licences that wheels and archives carry
   figures      Make pictures and film of README and documentation anew with the program itself
   help         This text
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
         Some("test") => test::run(),
         Some("verify") => verify::run(std::env::args().skip(2).collect()),
         Some("bench") => bench::run(std::env::args().skip(2).collect()),
+        Some("web") => web::run(),
         Some("licences") => licences::run(),
         Some("figures") => figures(),
         Some("help" | "--help" | "-h") => {

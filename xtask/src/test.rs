@@ -6,9 +6,10 @@ mod tally;
 
 use crate::python::{self, Python};
 use crate::tools::{cargo, program, root, say, step, temporary};
+use crate::web;
 use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use tally::Tally;
 
@@ -59,26 +60,36 @@ impl Checks {
         self.tests("the library without its features", &mut tests)?;
         // Tests ask for `testing` of the core, other crates for more of what it depends on.
         self.step("the core alone", cargo(["check", "-p", "myospring-core", "--locked"]))?;
-        self.wasm()
+        self.web()
     }
 
-    /// The core, which opens no file, for the web.
-    fn wasm(&mut self) -> Result<(), String> {
-        let (name, target) = ("the core for WebAssembly", "wasm32-unknown-unknown");
-        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-        let folder = Command::new(rustc)
-            .args(["--print", "target-libdir", "--target", target])
-            .current_dir(root())
-            .output();
-        let there = folder
-            .is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir());
-        if there {
-            let mut command = cargo(["build", "-p", "myospring-core", "--locked"]);
-            command.args(["--lib", "--target", target]);
-            return self.step(name, command);
+    /// The page with the engine inside, and its numbers beside the program's.
+    fn web(&mut self) -> Result<(), String> {
+        let names = ["the page: its engine", "the page: in Chromium"];
+        if let Err(why) = web::toolchain().and_then(|()| page::installed()) {
+            names.into_iter().for_each(|name| self.skip(name, &why));
+            return Ok(());
         }
-        self.skip(name, &format!("the compiler lacks the target: `rustup target add {target}`"));
-        Ok(())
+        let page = web::build().inspect_err(|_| self.failed += 1)?;
+        let test = |file: &str| {
+            let mut command = Command::new("node");
+            command.args(["--test", file]).current_dir(page::folder());
+            command.env("MYOSPRING", program("debug", "myospring"));
+            command.env("ENGINE", web::engine()).env("PAGE", &page);
+            command
+        };
+        self.step(names[0], test("test/engine.test.js"))?;
+        match page::chromium() {
+            Ok(path) => {
+                let mut command = test("test/web.test.js");
+                command.envs(path.map(|path| ("CHROMIUM", path)));
+                self.step(names[1], command)
+            }
+            Err(why) => {
+                self.skip(names[1], &why);
+                Ok(())
+            }
+        }
     }
 
     /// Licences and sources of all dependencies, and advisories against them, without asking the network.

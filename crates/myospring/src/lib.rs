@@ -69,6 +69,8 @@ pub use myospring_microscopy as microscopy;
 #[doc(inline)]
 pub use myospring_output as output;
 
+#[cfg(feature = "study")]
+mod clock;
 #[cfg(feature = "run-file")]
 pub mod compare;
 #[cfg(feature = "experiment")]

@@ -69,7 +69,8 @@ impl SharedPath {
         self.solved.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn has_mechanics_of(&self, other: &Simulation) -> bool {
+    /// Whether the mechanics of a simulation are the shared ones.
+    pub fn has_mechanics_of(&self, other: &Simulation) -> bool {
         let own = &self.simulation;
         own.mesh == other.mesh
             && own.long_axis == other.long_axis

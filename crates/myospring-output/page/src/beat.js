@@ -20,11 +20,23 @@ import { Player } from "./player.js";
 const ROOM = 0.02;
 
 /**
- * What printing needs of a beat.
+ * What printing needs of a beat, and its end, which tells how it moved.
  *
  * @typedef {object} ShownBeat
  * @property {() => void} toPaper
  * @property {() => void} toScreen
+ * @property {() => Motion} end
+ */
+
+/**
+ * How a beat moves.
+ *
+ * @typedef {object} Motion
+ * @property {number} time ms.
+ * @property {boolean} playing
+ * @property {number} speed
+ * @property {boolean} loop
+ * @property {string} colour What the cells are coloured by.
  */
 
 /**
@@ -32,18 +44,25 @@ const ROOM = 0.02;
  *
  * @param {Beat} beat
  * @param {number[][]} lists Of times.
+ * @param {Motion | null} motion Of the beat that was shown before.
  * @returns {ShownBeat}
  */
-export function showBeat(beat, lists) {
+export function showBeat(beat, lists, motion) {
+  const ending = new AbortController();
+  const { signal } = ending;
   const alone = beat.cells.length === 1;
   const cells = beat.cells.map(recordedShapes);
   const player = new Player([
     Math.min(...cells.map((cell) => cell.span[0])),
     Math.max(...cells.map((cell) => cell.span[1])),
   ]);
+  if (motion !== null) {
+    player.time = Math.min(motion.time, player.end);
+    [player.speed, player.loop] = [motion.speed, motion.loop];
+  }
   const boxes = boxesOfOneSize(cells);
   const fields = commonFields(beat);
-  let field = fields.find(({ key }) => key === beat.colour) ?? fields[0];
+  let field = fields.find(({ key }) => key === (motion?.colour ?? beat.colour)) ?? fields[0];
 
   const opacity = find("opacity", HTMLInputElement);
   const pictureBox = find("picture", HTMLInputElement);
@@ -68,7 +87,7 @@ export function showBeat(beat, lists) {
   beat.cells.forEach(({ picture }, index) => {
     if (picture !== null) loadPicture(picture, views[index]);
   });
-  setUpControls(player);
+  setUpControls(player, signal);
   setUpColours();
   more.hidden = others.length === 0;
   find("more-curves-title", HTMLElement).textContent = beat.folded_title;
@@ -81,19 +100,29 @@ export function showBeat(beat, lists) {
   fitToWindow();
   drawForPaper();
   let laidOut = stage.clientWidth;
-  new ResizeObserver(() => {
+  const resized = new ResizeObserver(() => {
     if (stage.clientWidth === laidOut) return;
     laidOut = stage.clientWidth;
     fitToWindow();
-  }).observe(stage);
-  if (!isFramed) addEventListener("resize", fitToWindow);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  });
+  resized.observe(stage);
+  if (!isFramed) addEventListener("resize", fitToWindow, { signal });
+  const redraw = () => {
     drawCells();
     redrawCharts();
-  });
-  if (!matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
+  };
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw, { signal });
+  if (motion?.playing ?? !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 
   return {
+    end() {
+      const { time, playing, speed, loop } = player;
+      player.pause();
+      ending.abort();
+      resized.disconnect();
+      [...charts, ...others].forEach(({ chart }) => chart.destroy());
+      return { time, playing, speed, loop, colour: field.key };
+    },
     toPaper() {
       drawForPaper();
       printCharts(charts);

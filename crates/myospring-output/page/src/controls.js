@@ -9,8 +9,11 @@ const PAUSE = "M3 2h3.5v12H3zM9.5 2H13v12H9.5z";
 /** Steps of the arrow keys, ms. */
 const STEP = 5;
 
-/** @param {Player} player */
-export function setUpControls(player) {
+/**
+ * @param {Player} player
+ * @param {AbortSignal} signal Ends them.
+ */
+export function setUpControls(player, signal) {
   const time = find("time", HTMLInputElement);
   time.min = String(player.start);
   time.max = String(player.end);
@@ -22,8 +25,10 @@ export function setUpControls(player) {
   const play = find("play", HTMLButtonElement);
   play.addEventListener("click", () => player.toggle());
   const speed = find("speed", HTMLSelectElement);
+  speed.value = String(player.speed);
   speed.addEventListener("change", () => (player.speed = Number(speed.value)));
   const loop = find("loop", HTMLInputElement);
+  loop.checked = player.loop;
   loop.addEventListener("change", () => (player.loop = loop.checked));
 
   const icon = document.getElementById("play-icon");
@@ -33,7 +38,7 @@ export function setUpControls(player) {
   };
   player.addEventListener("state", showState);
   showState();
-  document.addEventListener("keydown", (event) => onKey(event, player));
+  document.addEventListener("keydown", (event) => onKey(event, player), { signal });
 }
 
 /**

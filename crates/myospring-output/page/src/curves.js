@@ -285,6 +285,11 @@ export class Chart {
     this.#plot.redraw(false, true);
   }
 
+  /** Ends what it listens to. */
+  destroy() {
+    this.#plot.destroy();
+  }
+
   /** What it shows, in a sentence. */
   get description() {
     const peaks = this.series.map((series) => {

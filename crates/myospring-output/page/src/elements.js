@@ -42,6 +42,11 @@ export function ownName(name) {
   return times > 1 ? `${name}, ${times}` : name;
 }
 
+/** All names are free again. */
+export function forgetNames() {
+  given.clear();
+}
+
 /**
  * Text in which what stands between backticks is code.
  *

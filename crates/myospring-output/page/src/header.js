@@ -12,14 +12,12 @@ export function writeHead({ kind, title, version, facts, answer, warnings }) {
   document.title = title;
   find("kind", HTMLElement).textContent = kind;
   find("title", HTMLElement).textContent = title;
-  find("facts", HTMLElement).append(...facts.map((fact) => make("li", {}, fact)));
+  find("facts", HTMLElement).replaceChildren(...facts.map((fact) => make("li", {}, fact)));
   find("version", HTMLElement).textContent = `Made by Myospring ${version}.`;
-  if (answer !== null) {
-    const line = find("answer", HTMLElement);
-    line.append(...withCode(answer.words));
-    line.classList.add(answer.quality);
-    line.hidden = false;
-  }
+  const line = find("answer", HTMLElement);
+  line.replaceChildren(...withCode(answer?.words ?? ""));
+  line.className = `answer ${answer?.quality ?? ""}`;
+  line.hidden = answer === null;
   warn(warnings);
 }
 
@@ -31,14 +29,13 @@ export function writeHead({ kind, title, version, facts, answer, warnings }) {
 function warn(warnings) {
   find("warnings", HTMLElement).hidden = warnings.length === 0;
   const list = find("warning-list", HTMLElement);
-  list.append(...warnings.map((text) => make("li", {}, ...withCode(text))));
+  list.replaceChildren(...warnings.map((text) => make("li", {}, ...withCode(text))));
   const items = [...list.children];
   const top = list.getBoundingClientRect().top;
   const most = WARNED * windowHeight();
   const first = items.findIndex((item, index) => index > 0 && item.getBoundingClientRect().bottom - top > most);
-  if (first < 0) return;
-  const others = items.slice(first);
-  find("more-warnings", HTMLElement).hidden = false;
+  const others = first < 0 ? [] : items.slice(first);
+  find("more-warnings", HTMLElement).hidden = others.length === 0;
   find("more-warnings-title", HTMLElement).textContent = `${others.length} more`;
-  find("more-warning-list", HTMLElement).append(...others);
+  find("more-warning-list", HTMLElement).replaceChildren(...others);
 }

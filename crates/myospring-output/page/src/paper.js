@@ -99,15 +99,15 @@ export function printCharts(charts) {
 /**
  * For printing, charts fit the paper, and what is folded is unfolded, but for curves of which there are many.
  *
- * @param {OwnChart[]} charts
- * @param {ShownBeat | null} beat
+ * @param {() => { charts: OwnChart[], beat: ShownBeat | null }} shown What the page shows then.
  */
-export function setUpPrinting(charts, beat) {
+export function setUpPrinting(shown) {
   /** @type {HTMLDetailsElement[]} */
   let opened = [];
   addEventListener("beforeprint", () => {
     opened = [...document.querySelectorAll("details")].filter(({ open, id }) => !open && id !== "more-curves");
     for (const details of opened) details.open = true;
+    const { charts, beat } = shown();
     beat?.toPaper();
     for (const chart of charts) {
       chart.show(PAPER.half);
@@ -116,6 +116,7 @@ export function setUpPrinting(charts, beat) {
   });
   addEventListener("afterprint", () => {
     for (const details of opened) details.open = false;
+    const { charts, beat } = shown();
     beat?.toScreen();
     for (const chart of charts) {
       chart.show();

@@ -1,7 +1,7 @@
 // The sections of a page: each part by its kind.
 
 import { OwnChart } from "./charts.js";
-import { find, make, ownName, say, withCode } from "./elements.js";
+import { find, forgetNames, make, ownName, say, withCode } from "./elements.js";
 import { profileDrawing } from "./profiles.js";
 import { scrolling, tableOf, tilesOf } from "./tables.js";
 
@@ -11,12 +11,14 @@ import { scrolling, tableOf, tilesOf } from "./tables.js";
 const QUIET = ["tiles", "beat"];
 
 /**
- * Writes all sections; gives the charts that have an axis of their own.
+ * Writes all sections, instead of those that are there; gives the charts that have an axis of their own.
  *
  * @param {Payload} payload
  * @returns {OwnChart[]}
  */
 export function writeSections({ sections, times_ms: lists }) {
+  document.querySelectorAll("#main > section:not(#warnings)").forEach((section) => section.remove());
+  forgetNames();
   /** @type {OwnChart[]} */
   const charts = [];
   const show = (/** @type {Part} */ part) => partOf(part, lists, charts);
@@ -65,7 +67,7 @@ const POINT = "Point at a name, or move to it with Tab, to see its definition. "
 function partOf(part, lists, charts) {
   switch (part.kind) {
     case "beat":
-      return [find("stage-template", HTMLTemplateElement).content];
+      return [document.importNode(find("stage-template", HTMLTemplateElement).content, true)];
     case "charts": {
       const own = part.charts.map((data) => new OwnChart(data, lists));
       charts.push(...own);

@@ -162,7 +162,7 @@ let terms = 0;
  * @param {string} text
  * @param {string} definition
  */
-function term(text, definition) {
+export function term(text, definition) {
   const id = `definition-${terms++}`;
   const place = make(
     "div",

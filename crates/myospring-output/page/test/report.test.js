@@ -1,17 +1,16 @@
 // The page in Chromium: loads, plays, scrubs, prints, can be read by all.
 
 import assert from "node:assert/strict";
-import { createRequire } from "node:module";
 import { mkdir, readFile, stat, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
+import { violationsOn } from "./axe.js";
 import { analyse, batch, beat, beatIn, compare, fit, folder, payloadOf } from "./program.js";
 
 /** @import { Browser, BrowserContextOptions, Page } from "playwright-core" */
 
-const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 const NASTY = "</script><script>alert(1)</script>\"'&\u2028";
 
 /** @type {Browser} */
@@ -113,15 +112,6 @@ function beats() {
     return `${time},${(120 - 10 * pulse(time) + touched(time) + noise).toFixed(4)},${(0.1 + pulse(time) + noise / 10).toFixed(5)}`;
   });
   return `time_ms,length_um,calcium_uM\n${lines.join("\n")}\n`;
-}
-
-/** @param {Page} page What axe complains of. */
-async function violationsOn(page) {
-  // The page's own policy forbids any other script; this way goes round it.
-  await page.evaluate(await readFile(AXE, "utf8"));
-  /** @type {import("axe-core").AxeResults} */
-  const { violations } = await page.evaluate("axe.run()");
-  return violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]);
 }
 
 /** @param {Page} page */

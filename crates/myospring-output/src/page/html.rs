@@ -53,7 +53,7 @@ use super::template::TEMPLATE;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn html(page: &Page<'_>) -> Result<String, PageError> {
-    let data = for_script(&payload::json(page)?);
+    let data = for_script(&payload::data(page)?);
     let title = for_markup(page.title);
     let mut text = String::with_capacity(TEMPLATE.len() + data.len());
     // In one pass, since inserted text may contain placeholders.

@@ -66,8 +66,11 @@ struct ProfileData<'a> {
     at_ends: f64,
 }
 
-/// The data of a page as JSON.
-pub(super) fn json(page: &Page<'_>) -> Result<String, PageError> {
+/// The data of a page as JSON, for a script that draws it as `report.html` does.
+///
+/// # Errors
+/// Those of [`html`](super::html).
+pub fn data(page: &Page<'_>) -> Result<String, PageError> {
     let mut charts = Vec::new();
     page.sections.iter().for_each(|section| charts_in(&section.parts, &mut charts));
     let times = Times::of(charts.into_iter());
@@ -102,10 +105,10 @@ fn charts_in<'a>(parts: &'a [Part<'_>], all: &mut Vec<&'a Chart>) {
 }
 
 fn all<'a>(parts: &'a [Part<'_>], times: &Times<'a>) -> Result<Vec<PartData<'a>>, PageError> {
-    parts.iter().map(|part| data(part, times)).collect()
+    parts.iter().map(|part| data_of(part, times)).collect()
 }
 
-fn data<'a>(part: &'a Part<'_>, times: &Times<'a>) -> Result<PartData<'a>, PageError> {
+fn data_of<'a>(part: &'a Part<'_>, times: &Times<'a>) -> Result<PartData<'a>, PageError> {
     let of = |charts: &'a [Chart]| charts.iter().map(|chart| times.chart(chart)).collect();
     Ok(match part {
         Part::Beat(beat) => {

@@ -1,10 +1,13 @@
-//! The page without its data, assembled from its source: style, drawing and the library for curves
+//! Pages without their data, assembled from their source: style, drawing and the library for curves
 //! in one file.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
+use std::io::Write as _;
 use std::sync::LazyLock;
 
 /// A module of the page: its name and text.
@@ -14,7 +17,7 @@ macro_rules! modules {
     };
 }
 
-/// The modules of the page, each after those that it imports.
+/// The modules that draw, each after those that it imports.
 const MODULES: [(&str, &str); 20] = modules![
     "numbers.js",
     "colours.js",
@@ -35,8 +38,14 @@ const MODULES: [(&str, &str); 20] = modules![
     "layout.js",
     "paper.js",
     "beat.js",
-    "report.js",
+    "whole.js",
 ];
+
+/// The module that begins a report.
+const REPORT: [(&str, &str); 1] = modules!["report.js"];
+
+/// The modules of the page that simulates.
+const WEB: [(&str, &str); 3] = modules!["engine.js", "form.js", "web.js"];
 
 /// The library for curves, as its authors publish it (`page/vendor`).
 const CURVES: [&str; 2] = [
@@ -45,26 +54,46 @@ const CURVES: [&str; 2] = [
 ];
 
 /// With places for title and data.
-pub(super) static TEMPLATE: LazyLock<String> = LazyLock::new(|| {
-    let style = without_imports(include_str!("../../page/src/report.css"), &["@import "]);
-    let style = format!("{}\n{style}", CURVES[0]);
-    let script = script();
+pub(super) static TEMPLATE: LazyLock<String> = LazyLock::new(|| assembled(&REPORT, "", "", ""));
+
+/// The page that simulates, around its engine, a WebAssembly module.
+///
+/// # Errors
+/// An engine that cannot be packed.
+pub fn around_engine(engine: &[u8]) -> std::io::Result<String> {
+    let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+    packed.write_all(engine)?;
+    let aside = include_str!("../../page/src/web.html")
+        .replacen("{{worker}}", include_str!("../../page/src/worker.js"), 1)
+        .replacen("{{engine}}", &STANDARD.encode(packed.finish()?), 1);
+    let style = include_str!("../../page/src/web.css");
+    let page = assembled(&WEB, style, &aside, "'wasm-unsafe-eval'; worker-src blob:");
+    // Its engine gives the data.
+    Ok(page.replace("{{title}}", "Myospring").replacen("{{data}}", "null", 1))
+}
+
+/// A page with its own modules, its style in addition to that of reports, what comes before its results, and sources of
+/// scripts that its content policy allows in addition to its own.
+fn assembled(own: &[(&str, &str)], style: &str, aside: &str, sources: &str) -> String {
+    let common = without_imports(include_str!("../../page/src/report.css"), &["@import "]);
+    let style = format!("{}\n{common}{style}", CURVES[0]);
+    let script = script(own);
     // Only content of the file: no network, no other script.
     let policy = format!(
-        "default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
+        "default-src 'none'; script-src {} {sources}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
         hash(&script),
         hash(&style)
     );
     let page = include_str!("../../page/src/report.html");
     let page = page.replacen("{{policy}}", &policy, 1).replacen("{{style}}", &style, 1);
-    page.replacen("{{script}}", &script, 1)
-});
+    page.replacen("{{aside}}", aside, 1).replacen("{{script}}", &script, 1)
+}
 
 /// All modules in one scope, so that imports are not needed.
-fn script() -> String {
+fn script(own: &[(&str, &str)]) -> String {
     let mut all = String::from("(() => {\n\"use strict\";\n");
     all.push_str(CURVES[1]);
-    for (name, text) in MODULES {
+    for (name, text) in MODULES.iter().chain(own) {
         // Types in comments are only for the type checker.
         let text = without_imports(text, &["import ", "/** @import "]);
         let text = text.strip_prefix("export ").unwrap_or(&text).replace("\nexport ", "\n");
@@ -95,7 +124,7 @@ mod tests {
     fn the_page_has_a_place_for_title_and_data_and_forbids_itself_the_network() {
         assert_eq!(TEMPLATE.matches("{{title}}").count(), 2);
         assert_eq!(TEMPLATE.matches("{{data}}").count(), 1);
-        for place in ["{{policy}}", "{{style}}", "{{script}}"] {
+        for place in ["{{policy}}", "{{style}}", "{{aside}}", "{{script}}"] {
             assert!(!TEMPLATE.contains(place), "{place}");
         }
         assert!(TEMPLATE.contains("default-src 'none'"));
@@ -105,7 +134,7 @@ mod tests {
     #[test]
     fn every_module_stands_after_those_that_it_imports_and_shares_no_name_with_another() {
         let (mut before, mut names) = (BTreeSet::from(["uplot"]), BTreeSet::new());
-        for (module, text) in MODULES {
+        for (module, text) in MODULES.into_iter().chain(REPORT).chain(WEB) {
             for line in text.lines().filter(|line| line.starts_with("import ")) {
                 // A whole import on one line, without another name for what it brings.
                 let (brought, from) = line.split_once(" from ").unwrap();
@@ -127,7 +156,7 @@ mod tests {
                 }
             }
         }
-        let script = script();
+        let script = script(&REPORT);
         assert!(
             !script.lines().any(|line| line.starts_with("import ") || line.starts_with("export "))
         );

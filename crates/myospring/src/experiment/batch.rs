@@ -14,6 +14,7 @@ use super::inputs;
 use super::observer::Observer;
 use super::watched::Watched;
 use super::{Experiment, Outcome};
+use crate::clock::Stopwatch;
 use crate::interruption::Interruption;
 use crate::output::files::{self, Manifest};
 use crate::output::page::PageError;
@@ -24,7 +25,6 @@ use kept::Kept;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
-use std::time::Instant;
 
 /// The table for people and for programs.
 const CSV: &str = "cells.csv";
@@ -58,7 +58,7 @@ pub struct PreparedBatch<'a> {
     manifest: Option<Manifest>,
     files: &'a Files,
     interruption: Interruption,
-    started: Instant,
+    started: Stopwatch,
 }
 
 /// The result of a batch.
@@ -102,7 +102,7 @@ impl Batch {
         files: &'a Files,
         interruption: &Interruption,
     ) -> Result<PreparedBatch<'a>, ExperimentError> {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let (pictures, notes) = self.pictures.find(self.target.as_deref(), files)?;
         // Every setting is checked once, before any picture is opened.
         for picture in &pictures {

@@ -11,15 +11,17 @@ mod tables;
 pub use job::{Compare, Source};
 pub use side::{Side, check_folder as check_results};
 
+use super::run::FILE;
 use super::{Experiment, ExperimentError, Files, Folder, Inputs, Observer, Outcome};
 use crate::analysis::bands::{Band, band};
 use crate::analysis::beats::Beats;
+use crate::clock::Stopwatch;
 use crate::compare::PHENOMENOLOGICAL;
 use crate::compare::factor::Scaled;
 use crate::compare::metric::{self, Row};
 use crate::compare::setting::{self, Different};
 use crate::output::figure::{self, ComparedRun as Drawn, ContractionOptions, Theme};
-use crate::output::page::Difference;
+use crate::output::page::{Difference, Page, PageError, html};
 use crate::output::{csv, json};
 use crate::run_file::RunFile;
 use crate::study::Threads;
@@ -27,7 +29,6 @@ use job::Meter;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
-use std::time::Instant;
 
 /// The file of a comparison that people open: the first of these that exists.
 pub const PAGE_OR_FIGURE: [&str; 2] = ["report.html", "figures/compared.png"];
@@ -76,7 +77,7 @@ impl Experiment for Compare {
     type Outcome = Compared;
 
     fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Compared, ExperimentError> {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let jobs = self.jobs(files)?;
         // Before any of them has taken its time.
         jobs.iter().try_for_each(|job| job.check(files))?;
@@ -92,6 +93,12 @@ impl Experiment for Compare {
 }
 
 impl Compared {
+    /// Compares runs that were simulated.
+    #[must_use]
+    pub fn of_runs(sides: Vec<Side>, files: &Files) -> Self {
+        Self::of(sides, &Compare::default(), files)
+    }
+
     fn of(mut sides: Vec<Side>, description: &Compare, files: &Files) -> Self {
         let mut named = Inputs::default();
         for side in &mut sides {
@@ -133,6 +140,18 @@ impl Compared {
     #[must_use]
     pub fn total_s(&self) -> f64 {
         self.total_s
+    }
+
+    /// The page of the comparison in the form that `make` gives it, as [`FinishedRun::page`](super::run::FinishedRun::page)
+    /// does; `None` if a cell cannot be meshed as in its run.
+    ///
+    /// # Errors
+    /// Runs without frames.
+    pub fn page(
+        &self,
+        make: impl FnOnce(&Page<'_>) -> Result<String, PageError>,
+    ) -> Result<Option<String>, ExperimentError> {
+        page::of(&self.sides, &self.differences, &self.warnings, &Inputs::default(), make)
     }
 
     fn figures(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
@@ -190,7 +209,13 @@ impl Outcome for Compared {
         }
         folder.write("metrics.csv", tables::metrics(&self.labels(), &self.metrics)?)?;
         self.figures(folder, observer)?;
-        page::write(folder, &self.sides, &self.differences, &self.warnings, &inputs, observer)?;
+        match page::of(&self.sides, &self.differences, &self.warnings, &inputs, html)? {
+            Some(page) => folder.write(FILE, page)?,
+            None => {
+                observer
+                    .warn("report.html is left out: not every cell can be meshed as in its run");
+            }
+        }
         folder.write("comparison.json", json::for_people(&self.numbers())?)
     }
 }

@@ -10,6 +10,7 @@ use super::files::Files;
 use super::folder::Folder;
 use super::observer::Observer;
 use super::{Experiment, Outcome};
+use crate::clock::Stopwatch;
 use crate::mesh::Mesh;
 use crate::mesh::outline::Outline;
 use crate::mesh::quality::long_axis;
@@ -23,7 +24,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use statements::{PaperRun, TENSIONS, with_paper};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
 
 /// Simulates the paper's cell at each of its tensions.
 pub struct Paper {
@@ -42,7 +42,7 @@ pub struct Reproduced {
     outcomes: Vec<simulation::Outcome>,
     /// What the paper states, and our result.
     pub findings: Vec<Finding>,
-    started: Instant,
+    started: Stopwatch,
 }
 
 /// paper.json.
@@ -60,7 +60,7 @@ impl Experiment for Paper {
     type Outcome = Reproduced;
 
     fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Reproduced, ExperimentError> {
-        let started = Instant::now();
+        let started = Stopwatch::start();
         let run = self.run.clone();
         let bytes = run.shape.bytes(|file| files.bytes(file))?;
         let Shaped { mesh, outline, .. } = run.shape.mesh(&bytes)?;

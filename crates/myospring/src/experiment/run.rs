@@ -10,6 +10,7 @@ mod page;
 mod prepared;
 mod record;
 mod save;
+mod series;
 mod watch;
 
 pub use beaten::{FinishedRun, RunNumbers};
@@ -19,6 +20,7 @@ pub use page::{FILE, parameters};
 pub use prepared::{BeatCell, PreparedRun, RunPlan};
 pub use record::{Stop, Timings, resolved};
 pub use save::SavedRun;
+pub use series::RunSeries;
 
 pub(super) use figures::write as write_figures;
 pub(super) use finished::Finished;

@@ -5,7 +5,8 @@ use super::fitter::{Fitter, Loaded};
 use super::problem::{Layout, Role, Source};
 use super::settings::FitSettings;
 use super::unknown::Unknown;
-use std::time::{Duration, Instant};
+use crate::clock::Stopwatch;
+use std::time::Duration;
 
 /// Steps that a search takes, curves that a start needs besides, and steps to all points of a profile: measured.
 const STEPS: usize = 5;
@@ -40,7 +41,7 @@ impl Fitter {
         }
         let layout = Layout::new(sources, &sought);
         let at = vec![0.0; layout.roles.len()];
-        let begun = Instant::now();
+        let begun = Stopwatch::start();
         for (number, source) in layout.sources.iter().enumerate() {
             layout.shortening(&at, number, &source.frames.times);
         }

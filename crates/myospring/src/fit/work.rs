@@ -1,9 +1,10 @@
 //! Progress of a fit, and whether to continue.
 
+use crate::clock::Stopwatch;
 use crate::interruption::Interruption;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Interval between calls that report progress.
 const ASKED_EVERY: Duration = Duration::from_millis(100);
@@ -13,7 +14,7 @@ pub(super) struct Work<'a> {
     evaluations: AtomicUsize,
     stopped: AtomicBool,
     /// The part of all work that is done, and when it was last reported.
-    heard: Mutex<(f64, Instant)>,
+    heard: Mutex<(f64, Stopwatch)>,
     goes_on: &'a (dyn Fn(f64) -> bool + Sync),
     interruption: &'a Interruption,
 }
@@ -24,14 +25,14 @@ impl<'a> Work<'a> {
         interruption: &'a Interruption,
     ) -> Self {
         let (evaluations, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
-        let heard = Mutex::new((0.0, Instant::now()));
+        let heard = Mutex::new((0.0, Stopwatch::start()));
         Self { evaluations, stopped, heard, goes_on, interruption }
     }
 
     /// Reports the part of all work that is done; returns whether to continue.
     pub(super) fn done(&self, part: f64) -> bool {
         let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
-        *heard = (heard.0.max(part), Instant::now());
+        *heard = (heard.0.max(part), Stopwatch::start());
         let part = heard.0;
         drop(heard);
         if !(self.goes_on)(part) {

@@ -1,6 +1,6 @@
 //! Values as written by users.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -12,7 +12,7 @@ use std::fmt;
 /// assert_eq!(Value::from("50 kPa").to_string(), "\"50 kPa\"");
 /// assert_eq!(Value::from(0.05).to_string(), "0.05");
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Value {
     /// True or false.

@@ -12,6 +12,7 @@ use left_out::{LeftOut, notes};
 
 use super::{Cause, Interrupted, Member, Row as _, Status, sha256};
 use crate::analysis::summary::Summary;
+use crate::clock::Stopwatch;
 use crate::mesh::outline::Outline;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::segment::Choice;
@@ -19,7 +20,6 @@ use crate::output::files;
 use crate::settings::{Fibres, MeshedRun, PictureSource, Run, ShapeError, Source};
 use crate::simulation::{Outcome, Simulation, StopReason};
 use std::path::PathBuf;
-use std::time::Instant;
 
 /// Largest number of skipped cells that the reason of a picture without usable cells names.
 const FEW: usize = 3;
@@ -170,7 +170,7 @@ fn found_and_beaten(
     which: ChosenCell,
     keeper: &impl Keeper,
 ) -> Result<Vec<CellRow>, Cause> {
-    let start = Instant::now();
+    let start = Stopwatch::start();
     let Source::Picture(source) = &run.shape.source else {
         return Err("the run has no picture as its shape; set shape.picture".into());
     };
@@ -258,7 +258,7 @@ fn beat(
     row: &mut CellRow,
     keeper: &impl Keeper,
 ) -> Result<(), Cause> {
-    let start = Instant::now();
+    let start = Stopwatch::start();
     let (name, number) = (cell.name.clone(), cell.number);
     let shaped = run.shape.mesh_cell(cells.clone(), cell)?;
     let MeshedRun { simulation, report, outline, fibres, .. } =

@@ -4,12 +4,12 @@ use super::{
     Cause, Interrupted, Journal, Member, Row, Status, StudyError, StudyObserver, TABLE_EVERY,
     Threads,
 };
+use crate::clock::Stopwatch;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
 /// Result of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +74,7 @@ pub fn run_together<M: Member>(
         observer.changed(changed);
     }
     observer.begins(resumed, members.len());
-    let last_table = Mutex::new(Instant::now());
+    let last_table = Mutex::new(Stopwatch::start());
     let group = |group: &[&M]| {
         let keys: Vec<Option<String>> = group.iter().map(|member| member.key()).collect();
         let answers = guarded(group, &work);
@@ -91,7 +91,7 @@ pub fn run_together<M: Member>(
         }
         let mut last = last_table.lock().unwrap_or_else(PoisonError::into_inner);
         if observer.wants_tables() && last.elapsed() > TABLE_EVERY {
-            *last = Instant::now();
+            *last = Stopwatch::start();
             observer.table(&journal.rows(members)?).map_err(StudyError::Observer)?;
         }
         if goes_on { Ok(()) } else { Err(End::Stopped) }

@@ -3,9 +3,9 @@
 use super::StudyError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Threads of a study, which nothing else in the process uses.
+/// Threads of a study, which nothing else in the process uses. In a web page, which has one thread, that one does all.
 #[derive(Debug)]
-pub struct Threads(ThreadPool);
+pub struct Threads(Option<ThreadPool>);
 
 impl Threads {
     /// Creates `asked` threads; by default, and at most, as many as there are cores.
@@ -15,17 +15,23 @@ impl Threads {
     pub fn new(asked: Option<usize>) -> Result<Self, StudyError> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let threads = asked.filter(|count| *count > 0).map_or(cores, |count| count.min(cores));
-        Ok(Self(ThreadPoolBuilder::new().num_threads(threads).build()?))
+        if cfg!(target_family = "wasm") {
+            return Ok(Self(None));
+        }
+        Ok(Self(Some(ThreadPoolBuilder::new().num_threads(threads).build()?)))
     }
 
     /// Returns the number of threads.
     pub fn count(&self) -> usize {
-        self.0.current_num_threads()
+        self.0.as_ref().map_or(1, ThreadPool::current_num_threads)
     }
 
     /// Runs a closure on these threads; parallel iterators of rayon inside it use no others.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        self.0.install(work)
+        match &self.0 {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
     }
 }
 

@@ -2,10 +2,10 @@
 
 use super::side::{Shown, Side};
 use crate::analysis::summary::Summary;
-use crate::experiment::run::{FILE, parameters};
-use crate::experiment::{ExperimentError, Folder, Inputs, Observer, citations};
+use crate::experiment::run::parameters;
+use crate::experiment::{ExperimentError, Inputs, citations};
 use crate::output::field::Field;
-use crate::output::page::{self, Difference, Page, PageRun, Runs};
+use crate::output::page::{Difference, Page, PageError, PageRun, Runs};
 use crate::simulation::Pace;
 
 /// Text and numbers of a run that its page borrows.
@@ -32,15 +32,14 @@ impl Owned {
 /// As many labels make a title; of more runs it has the first.
 const NAMED: usize = 3;
 
-/// Writes the page, if every run can be shown.
-pub(super) fn write(
-    folder: &Folder,
+/// The page in the form that `make` gives it, if every run can be shown.
+pub(super) fn of(
     sides: &[Side],
     differences: &[Difference],
     warnings: &[String],
     inputs: &Inputs,
-    observer: &dyn Observer,
-) -> Result<(), ExperimentError> {
+    make: impl FnOnce(&Page<'_>) -> Result<String, PageError>,
+) -> Result<Option<String>, ExperimentError> {
     let shown: Option<Vec<(&Side, &Shown)>> = sides
         .iter()
         .map(|side| {
@@ -48,8 +47,7 @@ pub(super) fn write(
         })
         .collect();
     let Some(shown) = shown else {
-        observer.warn("report.html is left out: not every cell can be meshed as in its run");
-        return Ok(());
+        return Ok(None);
     };
     let owned: Vec<Owned> =
         shown.iter().map(|(side, shown)| Owned::of(side, shown, inputs)).collect();
@@ -75,7 +73,7 @@ pub(super) fn write(
         warnings: warnings.iter().cloned().chain(runs.warnings()).collect(),
         sections,
     };
-    folder.write(FILE, page::html(&page)?)
+    Ok(Some(make(&page)?))
 }
 
 fn on_page<'a>(side: &'a Side, shown: &'a Shown, owned: &'a Owned, inputs: &Inputs) -> PageRun<'a> {

@@ -3,12 +3,12 @@
 
 use super::finished::Finished;
 use super::{figures, film, page};
+use crate::clock::Stopwatch;
 use crate::experiment::{ExperimentError, Folder};
 use crate::output::{frames, vtu};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::time::Instant;
 
 /// The word for every output.
 pub const ALL: &str = "all";
@@ -155,7 +155,7 @@ pub(super) fn write(
 ) -> WrittenOutputs {
     let mut record = WrittenOutputs::default();
     for output in outputs {
-        let (start, before, names) = (Instant::now(), folder.bytes(), folder.names());
+        let (start, before, names) = (Stopwatch::start(), folder.bytes(), folder.names());
         let outcome = if output.is_drawn && finished.observer.is_late() {
             Err(ExperimentError::new("it is left out, since the program was interrupted"))
         } else {

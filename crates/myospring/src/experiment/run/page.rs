@@ -4,7 +4,9 @@ use super::finished::Finished;
 use super::record::resolved;
 use crate::cell;
 use crate::experiment::{ExperimentError, Folder, Inputs, citations};
-use crate::output::page::{self, Page, PageRun, ParameterGroup, ParameterRow, Photograph, Runs};
+use crate::output::page::{
+    self, Page, PageError, PageRun, ParameterGroup, ParameterRow, Photograph, Runs,
+};
 use crate::settings::{self, Run, Value};
 
 /// Name of the file.
@@ -12,6 +14,14 @@ pub const FILE: &str = "report.html";
 
 /// Writes the page.
 pub(super) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), ExperimentError> {
+    folder.write(FILE, of(finished, page::html)?)
+}
+
+/// The page in the form that `make` gives it.
+pub(super) fn of(
+    finished: &Finished<'_>,
+    make: impl FnOnce(&Page<'_>) -> Result<String, PageError>,
+) -> Result<String, ExperimentError> {
     let Finished { name, run, .. } = finished;
     let title = if run.title.is_empty() { name } else { run.title.as_str() };
     let texts = Texts::of(finished);
@@ -28,7 +38,7 @@ pub(super) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Expe
         warnings: stopped.into_iter().chain(runs.warnings()).collect(),
         sections,
     };
-    folder.write(FILE, page::html(&page)?)
+    Ok(make(&page)?)
 }
 
 /// Text of a run that its page borrows.

@@ -3,14 +3,14 @@
 use super::beaten::FinishedRun;
 use super::record::Timings;
 use super::watch;
+use crate::clock::Stopwatch;
 use crate::experiment::input::{self, Input};
 use crate::experiment::refused::Place;
 use crate::experiment::{Experiment, ExperimentError, Files, Observer};
 use crate::integrate::stencil;
 use crate::settings::{MeshedRun, Run, Shaped};
-use crate::simulation::{Effort, Ready};
+use crate::simulation::{Effort, Ready, SetupError, Simulation};
 use crate::study::sha256;
-use std::time::Instant;
 
 /// Simulates one cell.
 pub struct BeatCell {
@@ -58,11 +58,18 @@ impl BeatCell {
     /// # Errors
     /// A shape that gives no cell, files that do not fit it, and settings that exclude each other.
     pub fn prepare(&self, files: &Files) -> Result<PreparedRun, ExperimentError> {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let Input { name, run, bytes, shaped } =
             input::mesh(self.name.clone(), self.run.clone(), self.refused.clone(), files)?;
         let sha256 = sha256(&bytes.shape);
-        PreparedRun::of((name, run), (shaped, sha256), self.threads, files, start)
+        PreparedRun::of(
+            (name, run),
+            (shaped, sha256),
+            self.threads,
+            files,
+            start,
+            Simulation::build,
+        )
     }
 }
 
@@ -77,24 +84,26 @@ impl PreparedRun {
         threads: Option<usize>,
         files: &Files,
     ) -> Result<Self, ExperimentError> {
-        Self::of(named, shape, threads, files, Instant::now())
+        Self::of(named, shape, threads, files, Stopwatch::start(), Simulation::build)
     }
 
-    fn of(
+    /// Makes a run ready by `build`.
+    pub(super) fn of(
         (name, mut run): (String, Run),
         (shaped, shape_sha256): (Shaped, String),
         threads: Option<usize>,
         files: &Files,
-        start: Instant,
+        start: Stopwatch,
+        build: impl FnOnce(&Simulation) -> Result<Ready, SetupError>,
     ) -> Result<Self, ExperimentError> {
         let mut made = run.make(shaped, |file| files.bytes(file))?;
         // The fibres that were used repeat the run.
         run.fibre = made.fibres.taken;
         let mut timings = Timings { mesh_s: start.elapsed().as_secs_f64(), ..Timings::default() };
-        let stage = Instant::now();
+        let stage = Stopwatch::start();
         let worthwhile = || stencil::worthwhile_threads(made.simulation.mesh.len());
         made.simulation.numerics.engine.threads = threads.unwrap_or_else(worthwhile);
-        let ready = made.simulation.build()?;
+        let ready = build(&made.simulation)?;
         timings.preparation_s = stage.elapsed().as_secs_f64();
         timings.total_s = start.elapsed().as_secs_f64();
         let mut warnings = run.warnings(&made.report);
@@ -105,7 +114,7 @@ impl PreparedRun {
     /// What the run would do; its first interval is computed to estimate the time.
     pub fn plan(&self) -> RunPlan {
         // The first output interval gives the time of a run in time; a path is already solved.
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let first = self.ready.run(|progress| progress.time <= 0.0);
         let (duration, numerics) = (self.run.duration, &self.run.numerics);
         let intervals = match self.ready {
@@ -130,7 +139,7 @@ impl PreparedRun {
     /// Simulates the cell. An interruption or an error ends the run early; the outcome then has
     /// what was computed.
     pub fn beat(self, observer: &dyn Observer) -> FinishedRun {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let Self { name, run, shape_sha256, made, ready, mut warnings, mut timings, files } = self;
         let outcome = watch::beat(&ready, run.duration, observer, &mut timings);
         warnings.extend(ready.warnings_after(&outcome));

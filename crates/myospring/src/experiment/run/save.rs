@@ -3,15 +3,18 @@
 use super::beaten::{FinishedRun, RunNumbers};
 use super::finished::{Finished, Style};
 use super::outputs::{self, Output, WrittenOutputs};
+use super::page;
 use super::record::{Stop, Timings, resolved};
+use crate::clock::Stopwatch;
 use crate::experiment::{ExperimentError, Folder, Inputs, Observer, Outcome, fibres};
 use crate::integrate::engine::EngineUsed;
+use crate::output::figure::{self, Figure, FigureError};
+use crate::output::page::{Page, PageError};
 use crate::output::{csv, json};
 use crate::settings::{Fibres, Run};
 use crate::simulation::{self, Effort, Simulation};
 use crate::study::sha256;
 use serde::Serialize;
-use std::time::Instant;
 
 /// run.json.
 #[derive(Serialize)]
@@ -70,14 +73,13 @@ impl FinishedRun {
         style: Style,
         observer: &dyn Observer,
     ) -> Result<SavedRun, ExperimentError> {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let Self { run, made, outcome, .. } = self;
         let (simulation, numbers) = (&made.simulation, self.all_numbers());
         write_numbers(folder, run, simulation, &made.fibres, outcome, &numbers)?;
         let mut inputs = Inputs::default();
         inputs.keep(folder, run.to_run_file(), |file| self.files.bytes(file))?;
-        let step = outcome.effort.time_step();
-        let run_file = resolved(run, (&inputs, ""), simulation, made.report.spacing_um, step);
+        let run_file = self.run_file_with(&inputs);
         folder.write("run.toml", &run_file)?;
         let run_file_sha256 = sha256(run_file.as_bytes());
         let record = |timings, outputs: &WrittenOutputs| {
@@ -97,20 +99,8 @@ impl FinishedRun {
         };
         // From here on the result is complete, even if outputs fail.
         folder.write("run.json", record(self.timings, &WrittenOutputs::default())?)?;
-        let finished = Finished {
-            name: &self.name,
-            run,
-            simulation,
-            outline: &made.outline,
-            fibres: &made.fibres,
-            picture: made.picture.as_ref(),
-            outcome,
-            numbers: &numbers,
-            stimuli: &run.stimulus_times(),
-            style,
-            inputs: &inputs,
-            observer,
-        };
+        let stimuli = run.stimulus_times();
+        let finished = self.finished(&numbers, &stimuli, style, &inputs, observer);
         let written = outputs::write(folder, outputs, &finished);
         let mut timings = self.timings;
         timings.outputs_s = start.elapsed().as_secs_f64();
@@ -118,6 +108,67 @@ impl FinishedRun {
         // On a full disk the record without outputs stays.
         let recorded = folder.write("run.json", record(timings, &written)?);
         Ok(SavedRun { written, recorded, timings })
+    }
+
+    /// The page of the run in the form that `make` gives it: [`page::html`](crate::output::page::html) or
+    /// [`page::data`](crate::output::page::data). Its files keep their names.
+    ///
+    /// # Errors
+    /// A run without frames.
+    pub fn page(
+        &self,
+        make: impl FnOnce(&Page<'_>) -> Result<String, PageError>,
+    ) -> Result<String, ExperimentError> {
+        let (numbers, stimuli, inputs) =
+            (self.all_numbers(), self.run.stimulus_times(), Inputs::default());
+        page::of(&self.finished(&numbers, &stimuli, Style::default(), &inputs, &()), make)
+    }
+
+    /// The run file that repeats the run. Its files keep their names.
+    pub fn run_file(&self) -> String {
+        self.run_file_with(&Inputs::default())
+    }
+
+    /// The figure `overview`: the cell at rest and contracting, beside its curves.
+    ///
+    /// # Errors
+    /// A run without frames.
+    pub fn overview(&self) -> Result<Figure, FigureError> {
+        let (numbers, stimuli, inputs) =
+            (self.all_numbers(), self.run.stimulus_times(), Inputs::default());
+        let finished = self.finished(&numbers, &stimuli, Style::default(), &inputs, &());
+        figure::overview(&finished.cell()?, &self.outcome.recording, &stimuli)
+    }
+
+    fn run_file_with(&self, inputs: &Inputs) -> String {
+        let Self { run, made, outcome, .. } = self;
+        let (spacing, step) = (made.report.spacing_um, outcome.effort.time_step());
+        resolved(run, (inputs, ""), &made.simulation, spacing, step)
+    }
+
+    fn finished<'a>(
+        &'a self,
+        numbers: &'a RunNumbers<'a>,
+        stimuli: &'a [f64],
+        style: Style,
+        inputs: &'a Inputs,
+        observer: &'a dyn Observer,
+    ) -> Finished<'a> {
+        let Self { name, run, made, outcome, .. } = self;
+        Finished {
+            name,
+            run,
+            simulation: &made.simulation,
+            outline: &made.outline,
+            fibres: &made.fibres,
+            picture: made.picture.as_ref(),
+            outcome,
+            numbers,
+            stimuli,
+            style,
+            inputs,
+            observer,
+        }
     }
 
     /// As [`FinishedRun::write`], where an output that is missing is an error.

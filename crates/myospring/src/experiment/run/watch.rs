@@ -1,10 +1,10 @@
 //! Progress of a run, and the time of its parts.
 
 use super::record::Timings;
+use crate::clock::Stopwatch;
 use crate::experiment::Observer;
 use crate::interruption::Interruption;
 use crate::simulation::{self, Outcome, Progress, Ready, RunPart};
-use std::time::Instant;
 
 /// Runs the simulation, reports progress, and measures the time of its parts.
 pub(super) fn beat(
@@ -27,21 +27,20 @@ struct Watch<'a> {
     interruption: Interruption,
     timings: &'a mut Timings,
     /// The current part, and when it began.
-    at: Option<(RunPart, Instant)>,
+    at: Option<(RunPart, Stopwatch)>,
 }
 
 impl Watch<'_> {
     fn turn(&mut self, next: Option<RunPart>) {
-        let now = Instant::now();
         if let Some((part, since)) = self.at {
             let total = match part {
                 RunPart::Cell => &mut self.timings.cell_s,
                 RunPart::Mechanics => &mut self.timings.mechanics_s,
                 RunPart::Recording => &mut self.timings.recording_s,
             };
-            *total += (now - since).as_secs_f64();
+            *total += since.elapsed().as_secs_f64();
         }
-        self.at = next.map(|part| (part, now));
+        self.at = next.map(|part| (part, Stopwatch::start()));
     }
 }
 

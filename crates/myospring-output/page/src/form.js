@@ -1,0 +1,299 @@
+// The form of the set-up, made from the program's own tables of settings and parameters.
+
+import { find, make } from "./elements.js";
+import { unitText } from "./numbers.js";
+import { term } from "./tables.js";
+
+/** @import { About, SettingSchema, Setup, Value } from "./requests.js" */
+
+/**
+ * A setting that the form shows, and the part of its bounds that a slider covers: the table's own bounds are far wider. The
+ * field beside the slider takes any value within those.
+ *
+ * @typedef {object} Shown
+ * @property {string} key
+ * @property {string} name
+ * @property {[number, number, number]} [slider] From, to, and the step.
+ * @property {number} [start] Where the slider is as long as the setting has no value.
+ * @property {(form: Form) => boolean} [when] Whether the setting has an effect.
+ */
+
+const support = (/** @type {string[]} */ ...words) => (/** @type {Form} */ form) =>
+  words.includes(String(form.value("mechanics.support")));
+
+/** @type {[string, Shown[]][]} */
+const GROUPS = [
+  [
+    "Strength and stiffness",
+    [
+      { key: "cell.peak_tension", name: "peak tension", slider: [0, 100, 1], when: (form) => form.model?.is_scaled ?? true },
+      { key: "material.young_modulus", name: "Young's modulus", slider: [50, 1000, 1] },
+      { key: "mechanics.fibre", name: "angle of the fibres", slider: [-90, 90, 1], start: 0 },
+    ],
+  ],
+  [
+    "Support",
+    [
+      { key: "mechanics.support", name: "support" },
+      { key: "mechanics.end_stretch", name: "stretch of the ends", slider: [0.8, 1.3, 0.01], when: support("clamped-ends", "afterloaded-ends") },
+      { key: "mechanics.afterload", name: "afterload", slider: [100, 10000, 100], start: 2000, when: support("afterloaded-ends") },
+      { key: "mechanics.end_stiffness", name: "stiffness of the springs", slider: [10, 2000, 10], start: 100, when: support("spring-held-ends") },
+      { key: "mechanics.bed_stiffness", name: "stiffness of the bed", slider: [0.05, 5, 0.05], start: 0.5, when: support("elastic-bed") },
+    ],
+  ],
+  [
+    "Pacing",
+    [
+      { key: "stimulus.beats", name: "stimuli", slider: [0, 10, 1] },
+      { key: "stimulus.cycle_length", name: "cycle length", slider: [250, 2000, 10], when: (form) => Number(form.value("stimulus.beats")) > 1 },
+    ],
+  ],
+];
+
+/** How far below and above its value the slider of a parameter goes, as factors. */
+const FACTORS = [0.25, 2];
+/** Steps of such a slider. */
+const SLIDER_STEPS = 100;
+
+/** Fires `change` when the set-up has changed. */
+export class Form extends EventTarget {
+  #about;
+  #place = find("form", HTMLFormElement);
+  #parameters = make("div", {});
+  #parametersTitle = make("summary", {});
+  /** What differs from the defaults, by key. @type {Map<string, Value>} */
+  #changed = new Map();
+  /** Parameters that differ from the model's, by name. @type {Map<string, number>} */
+  #numbers = new Map();
+  /** Rows that are there only at times. @type {[HTMLElement, (form: Form) => boolean][]} */
+  #rows = [];
+  /** Of a shape from a file, which the form does not show. @type {Record<string, Value>} */
+  #shape = {};
+  /** @type {string | null} */
+  #file = null;
+  #doses = make("textarea", { rows: "9", spellcheck: "false", "aria-label": "Doses" });
+  #dose = make("select", { id: "dose", "aria-label": "Dose" });
+
+  /** @param {About} about */
+  constructor(about) {
+    super();
+    this.#about = about;
+    this.#build();
+    this.#place.addEventListener("submit", (event) => event.preventDefault());
+    this.#place.addEventListener("reset", (event) => {
+      event.preventDefault();
+      this.clear();
+    });
+  }
+
+  /** The chosen cell model. */
+  get model() {
+    return this.#about.models.find(({ name }) => name === this.value("cell.model"));
+  }
+
+  /** @returns {Setup} */
+  get setup() {
+    const settings = { "numerics.integrator": "quasi-static", ...this.#shape, ...Object.fromEntries(this.#changed) };
+    const numbers = Object.fromEntries(this.#numbers);
+    /** @type {Record<string, Value>} */
+    const all = this.#numbers.size > 0 ? { ...settings, "cell.parameters": numbers } : settings;
+    const given = this.#dose.value;
+    return { file: this.#file, settings: all, dose: given === "" ? null : [this.#doses.value, given], label: this.#label(given) };
+  }
+
+  /** What is changed, in words. @param {string} dose */
+  #label(dose) {
+    const words = [...this.#changed].map(([key, value]) => (typeof value === "string" && !/\d/.test(value) ? value : `${nameOf(key)} ${value}`));
+    words.push(...[...this.#numbers].map(([name, value]) => `${name} ${value}`));
+    if (dose !== "") words.push(dose);
+    const cell = this.#shape["shape.picture"] ?? this.#shape["shape.outline"] ?? this.#file;
+    if (cell !== null && cell !== undefined) words.unshift(String(cell));
+    return words.length > 0 ? words.join(", ") : "adult ventricular myocyte";
+  }
+
+  /** The value that a setting has, or its default. @param {string} key */
+  value(key) {
+    return this.#changed.get(key) ?? this.#schema(key)?.default;
+  }
+
+  /**
+   * Takes the cell from a file.
+   *
+   * @param {string | null} file A run file.
+   * @param {Record<string, Value>} shape Settings of a shape.
+   */
+  takeShape(file, shape) {
+    [this.#file, this.#shape] = [file, shape];
+    this.#tell();
+  }
+
+  /** Everything as published again, on the same shape. */
+  clear() {
+    this.#changed.clear();
+    this.#numbers.clear();
+    this.#build();
+    this.#tell();
+  }
+
+  /** Offers the doses of a file of doses. @param {string[]} labels */
+  offerDoses(labels) {
+    const before = this.#dose.value;
+    const option = (/** @type {string} */ label) => make("option", { value: label }, label);
+    this.#dose.replaceChildren(make("option", { value: "" }, "none"), ...labels.slice(1).map(option));
+    this.#dose.value = labels.includes(before) ? before : "";
+  }
+
+  get doses() {
+    return this.#doses.value;
+  }
+
+  #tell() {
+    for (const [row, when] of this.#rows) row.hidden = !when(this);
+    this.dispatchEvent(new Event("change"));
+  }
+
+  #build() {
+    this.#rows = [];
+    const groups = GROUPS.map(([title, rows]) => fieldset(title, ...rows.map((row) => this.#row(row))));
+    const parameters = make("details", {}, this.#parametersTitle, this.#parameters);
+    this.#doses.value ||= this.#about.doses;
+    const drug = make("details", {}, make("summary", {}, "Drug"), this.#doses, make("label", { class: "choice" }, "Dose ", this.#dose));
+    if (this.#dose.childElementCount === 0) this.offerDoses([]);
+    this.#doses.addEventListener("change", () => this.dispatchEvent(new Event("doses")));
+    this.#dose.addEventListener("change", () => this.#tell());
+    const reset = make("button", { type: "reset" }, "All as published");
+    this.#place.replaceChildren(fieldset("Cell model", this.#modelRow(), parameters, drug), ...groups, reset);
+    this.#showParameters();
+    for (const [row, when] of this.#rows) row.hidden = !when(this);
+  }
+
+  #modelRow() {
+    const { models } = this.#about;
+    const select = make("select", { "aria-label": "cell model" }, ...models.map(({ name }) => make("option", { value: name }, name)));
+    select.value = String(this.value("cell.model"));
+    select.addEventListener("change", () => {
+      this.#set("cell.model", select.value);
+      // Another model has other parameters, and its own tension.
+      this.#numbers.clear();
+      if (!this.model?.is_scaled) this.#changed.delete("cell.peak_tension");
+      this.#showParameters();
+      this.#tell();
+    });
+    return select;
+  }
+
+  #showParameters() {
+    const rows = this.model?.parameters ?? [];
+    this.#parametersTitle.textContent = `Its ${rows.length} parameters`;
+    this.#parameters.replaceChildren(
+      ...rows.map(({ name, value, unit, minimum, maximum, meaning, source }) => {
+        const ends = FACTORS.map((factor) => factor * value).sort((a, b) => a - b);
+        const [low, high] = value === 0 ? [minimum, Math.min(maximum, 1)] : [Math.max(ends[0], minimum), Math.min(ends[1], maximum)];
+        const about = `${meaning}; ${minimum} to ${maximum} ${unitText(unit)}. Source: ${source}`;
+        return slider({ name, about, unit, value, range: [low, high, (high - low) / SLIDER_STEPS], set: (given) => {
+          if (given === value) this.#numbers.delete(name);
+          else this.#numbers.set(name, given);
+          this.#tell();
+        } });
+      }),
+    );
+  }
+
+  /** @param {Shown} shown */
+  #row({ key, name, slider: range, start, when }) {
+    const schema = this.#schema(key);
+    const unit = schema?.["x-unit"] ?? "";
+    const bounds = schema?.["x-bounds"] ?? (schema?.maximum === undefined ? "" : `${schema.minimum} to ${schema.maximum}`);
+    const about = `${(schema?.description ?? "").replaceAll("`", "")}${bounds === "" ? "" : ` Bounds: ${unitText(bounds)}.`} In a run file: ${key}`;
+    const value = this.value(key);
+    const row =
+      range === undefined
+        ? this.#choice(key, name, about, schema?.oneOf ?? [])
+        : slider({ name, about, unit, value: start !== undefined && !/\d/.test(String(value)) ? start : parseFloat(String(value)), range, set: (given) => {
+            this.#set(key, unit === "" ? given : `${given} ${unit}`);
+            this.#tell();
+          } });
+    if (when !== undefined) this.#rows.push([row, when]);
+    // A load without a value is no set-up.
+    if (start !== undefined && when !== undefined) this.#starts.set(key, `${start} ${unit}`);
+    return row;
+  }
+
+  /** Values that settings need once they have an effect. @type {Map<string, string>} */
+  #starts = new Map();
+
+  /**
+   * @param {string} key
+   * @param {string} name
+   * @param {string} about
+   * @param {{ const: string, description: string }[]} words
+   */
+  #choice(key, name, about, words) {
+    const options = words.map(({ const: word }) => make("option", { value: word }, word.replaceAll("-", " ")));
+    const select = make("select", { "aria-label": name }, ...options);
+    const hint = make("p", { class: "hint" });
+    const explain = () => (hint.textContent = words.find(({ const: word }) => word === select.value)?.description.replaceAll("`", "") ?? "");
+    select.value = String(this.value(key));
+    explain();
+    select.addEventListener("change", () => {
+      this.#set(key, select.value);
+      // What belongs to another choice has no place in the set-up.
+      for (const { key: other, when } of GROUPS.flatMap(([, rows]) => rows)) {
+        if (when !== undefined && !when(this)) this.#changed.delete(other);
+        const needed = this.#starts.get(other);
+        if (when?.(this) && needed !== undefined && !this.#changed.has(other)) this.#changed.set(other, needed);
+      }
+      explain();
+      this.#tell();
+    });
+    return make("div", { class: "row" }, make("div", { class: "name" }, term(name, about)), select, hint);
+  }
+
+  /** @param {string} key @param {Value} value */
+  #set(key, value) {
+    if (value === this.#schema(key)?.default) this.#changed.delete(key);
+    else this.#changed.set(key, value);
+  }
+
+  /** @param {string} key @returns {SettingSchema | undefined} */
+  #schema(key) {
+    const [table, name] = key.split(".");
+    return this.#about.settings.properties[table]?.properties?.[name];
+  }
+}
+
+/** @param {string} key */
+function nameOf(key) {
+  const shown = GROUPS.flatMap(([, rows]) => rows).find((row) => row.key === key);
+  return shown?.name ?? key.split(".")[1].replaceAll("_", " ");
+}
+
+/** @param {string} title @param {(HTMLElement)[]} rows */
+function fieldset(title, ...rows) {
+  return make("fieldset", {}, make("legend", {}, title), ...rows);
+}
+
+/**
+ * A number: a slider, and a field that also takes what lies beyond it.
+ *
+ * @param {{ name: string, about: string, unit: string, value: number, range: [number, number, number], set: (value: number) => void }} what
+ */
+function slider({ name, about, unit, value, range: [low, high, step], set }) {
+  const shown = String(Number(value.toPrecision(6)));
+  const field = make("input", { type: "number", value: shown, step: "any", "aria-label": `${name}, ${unit}` });
+  const bar = make("input", { type: "range", min: String(low), max: String(high), step: String(step), value: shown, "aria-label": name });
+  bar.setAttribute("aria-valuetext", `${shown} ${unit}`);
+  bar.addEventListener("input", () => {
+    const given = Number(Number(bar.value).toPrecision(6));
+    field.value = String(given);
+    bar.setAttribute("aria-valuetext", `${given} ${unit}`);
+    set(given);
+  });
+  field.addEventListener("change", () => {
+    if (field.value === "" || !Number.isFinite(field.valueAsNumber)) return;
+    bar.value = field.value;
+    set(field.valueAsNumber);
+  });
+  const number = make("span", { class: "quantity" }, field, make("span", { class: "unit" }, unitText(unit)));
+  return make("div", { class: "row" }, make("div", { class: "name" }, term(name, about), number), bar);
+}

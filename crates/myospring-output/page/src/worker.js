@@ -1,0 +1,29 @@
+// Runs the engine out of the page's way. Each message is a request, its number and the bytes of a file; the first one brings the
+// engine itself. What it answers is JSON.
+
+/** @type {Promise<any>} */
+let engine;
+
+addEventListener("message", async ({ data: { module, number, request, bytes } }) => {
+  if (module !== undefined) {
+    // Random bytes for encrypted archives, which a dependency brings and nothing asks for.
+    /** @type {Record<string, Record<string, () => void>>} */
+    const unused = {};
+    for (const { module: from, name } of WebAssembly.Module.imports(module)) (unused[from] ??= {})[name] = () => {};
+    engine = WebAssembly.instantiate(module, unused);
+    return;
+  }
+  const { memory, input, answer, answer_place: place, answer_length: length } = (await engine).exports;
+  const text = new TextEncoder().encode(request);
+  const at = input(text.length + bytes.length);
+  new Uint8Array(memory.buffer, at, text.length).set(text);
+  new Uint8Array(memory.buffer, at + text.length, bytes.length).set(bytes);
+  let panic = null;
+  try {
+    answer(text.length);
+  } catch (error) {
+    panic = String(error);
+  }
+  const said = new TextDecoder().decode(new Uint8Array(memory.buffer, place(), length()));
+  postMessage({ number, said, panic });
+});

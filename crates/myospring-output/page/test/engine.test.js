@@ -1,0 +1,118 @@
+// The engine of the page: its numbers are those of the program.
+
+import assert from "node:assert/strict";
+import { execFile } from "node:child_process";
+import { readFile, writeFile } from "node:fs/promises";
+import { join } from "node:path";
+import { test } from "node:test";
+import { promisify } from "node:util";
+import { engine, run } from "./engine.js";
+import { folder, numbersIn, payloadOf } from "./program.js";
+
+/** @import { Answer } from "../src/requests.js" */
+
+/** Differences that rounding explains: the libraries of the two machines differ in the last digits of exp and tanh. */
+const TOLERANCE = 1e-9;
+
+/** @param {Answer} answer */
+function pageOf(answer) {
+  assert.equal(answer.error, undefined, answer.error?.message);
+  if (answer.page === undefined) throw new Error("no page");
+  return answer.page;
+}
+
+/** @param {Answer} answer */
+function textOf(answer) {
+  return Buffer.from(answer.file?.base64 ?? "", "base64").toString();
+}
+
+/** @type {[string, Record<string, any>][]} */
+const SETUPS = [
+  ["default", {}],
+  ["weak", { "cell.peak_tension": "30 kPa", "material.young_modulus": "250 kPa" }],
+  ["turned", { "mechanics.fibre": "20 deg" }],
+  ["land", { "cell.model": "land_2017" }],
+  ["clamped", { "mechanics.support": "clamped-ends" }],
+  ["bed", { "mechanics.support": "elastic-bed", "mechanics.bed_stiffness": "0.5 kPa/um" }],
+  ["train", { "stimulus.beats": 2, "stimulus.cycle_length": "600 ms" }],
+  ["parameters", { "cell.parameters": { tau_si: 1.5 } }],
+];
+
+test("the program gives the same numbers from the run file that the page saves", async () => {
+  const { ask } = await engine();
+  for (const [name, settings] of SETUPS) {
+    const own = numbersIn(pageOf(ask(run(settings))));
+    const file = join(folder, `${name}.toml`);
+    await writeFile(file, textOf(ask({ ask: "save", what: "run" })));
+    const output = join(folder, name);
+    const args = ["run", file, "--quiet", "--outputs", "report", "--output", output];
+    await promisify(execFile)(process.env.MYOSPRING ?? "", args);
+    const theirs = numbersIn(await payloadOf(join(output, "report.html")));
+    assert.deepEqual([...own.keys()], [...theirs.keys()]);
+    assert.ok(own.size > 20);
+    for (const [quantity, [value]] of own) {
+      const [expected] = theirs.get(quantity) ?? [];
+      if (typeof value !== "number" || typeof expected !== "number") {
+        assert.deepEqual(value, expected, `${name}: ${quantity}`);
+        continue;
+      }
+      const off = Math.abs(value - expected) / Math.max(Math.abs(expected), 1e-3);
+      assert.ok(off <= TOLERANCE, `${name}: ${quantity} is ${value}, of the program ${expected}`);
+    }
+    // The curves have as many digits as the program writes.
+    const [curves, written] = [textOf(ask({ ask: "save", what: "traces" })), await readFile(join(output, "traces.csv"), "utf8")];
+    assert.equal(curves.split("\n").length, written.split("\n").length);
+  }
+});
+
+test("a cell of the last run's mesh and one that was computed anew have the same bits", async () => {
+  const [{ ask }, fresh] = await Promise.all([engine(), engine()]);
+  for (const tension of [50, 20, 60]) ask(run({ "cell.peak_tension": `${tension} kPa` }));
+  const settings = { "cell.peak_tension": "40 kPa" };
+  assert.deepEqual(pageOf(ask(run(settings))), pageOf(fresh.ask(run(settings))));
+});
+
+test("what is pinned stays beside what comes", async () => {
+  const { ask } = await engine();
+  ask(run({}));
+  ask({ ask: "pin" });
+  const page = pageOf(ask({ .../** @type {any} */ (run({ "cell.peak_tension": "30 kPa" })), label: "weak" }));
+  const beat = page.sections.flatMap(({ parts }) => parts).find((part) => part.kind === "beat");
+  assert.deepEqual(beat?.cells.map(({ label }) => label), ["a run", "weak"]);
+  const differences = JSON.stringify(page.sections.find(({ id }) => id === "differences"));
+  assert.match(differences, /peak_tension/);
+  assert.equal(pageOf(ask({ ask: "unpin" })).kind, "A beat by Myospring");
+});
+
+test("doses are those of the program's files of doses", async () => {
+  const { ask } = await engine();
+  const doses = ask({ ask: "about" }).about?.doses ?? "";
+  assert.deepEqual(ask({ ask: "doses", text: doses }).doses, ["control", "blocker 0.3 uM", "blocker 1 uM", "blocker 10 uM"]);
+  const given = { .../** @type {any} */ (run({})), dose: [doses, "blocker 1 uM"] };
+  const peak = numbersIn(pageOf(ask(given))).get("peak tension")?.[0];
+  // At its ic50 the blocker takes half of 80 % of 50 kPa. The peak is that of a default beat to 1e-4.
+  assert.ok(Math.abs(Number(peak) - 30) < 0.01, `${peak}`);
+});
+
+test("a setting outside its bounds, an unknown key and a file that is no picture are explained, and the next run goes on", async () => {
+  const { ask } = await engine();
+  const said = (/** @type {Answer} */ answer) => `${answer.error?.message}`;
+  assert.match(said(ask(run({ "material.thickness": "0 um" }))), /thickness.*above 0 um, at most 100 um/);
+  assert.match(said(ask(run({ "material.thicknes": "8 um" }))), /no setting `material.thicknes`/);
+  ask({ ask: "hold", name: "cell.png" }, new TextEncoder().encode("no picture"));
+  assert.match(said(ask(run({ "shape.picture": "cell.png", "shape.pixel_size": "0.3 um" }))), /cell\.png/);
+  assert.match(said(ask(run({ "shape.picture": "other.png", "shape.pixel_size": "0.3 um" }))), /other\.png/);
+  pageOf(ask(run({})));
+});
+
+test("memory stays flat over 200 runs", async () => {
+  const { ask, size } = await engine();
+  const coarse = { "shape.spacing": "5 um" };
+  const many = (/** @type {number} */ from, /** @type {number} */ to) => {
+    for (let tension = from; tension < to; tension++) pageOf(ask(run({ ...coarse, "cell.peak_tension": `${20 + (tension % 40)} kPa` })));
+  };
+  many(0, 40);
+  const before = size();
+  many(40, 200);
+  assert.equal(size(), before);
+});

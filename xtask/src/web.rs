@@ -1,0 +1,56 @@
+//! `cargo xtask web`: the page, one HTML file with the engine inside.
+
+use crate::tools::{cargo, root, say, step, target};
+use std::path::PathBuf;
+use std::process::Command;
+
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Builds the engine and the page around it, `target/web/myospring.html`, and says how large it is.
+pub(crate) fn run() -> Result<(), String> {
+    toolchain()?;
+    let page = build()?;
+    let size = std::fs::metadata(&page).map_or(0, |file| file.len());
+    say(&format!("{}: {:.2} MB\n", page.display(), size as f64 / 1e6));
+    Ok(())
+}
+
+/// Makes sure that the compiler makes WebAssembly; the error says what is missing and how to get it.
+pub(crate) fn toolchain() -> Result<(), String> {
+    if is_there() {
+        return Ok(());
+    }
+    say(&format!("\n== the compiler's target {TARGET}, from rustup\n"));
+    let added = Command::new("rustup").args(["target", "add", TARGET]).current_dir(root()).status();
+    if added.is_ok_and(|status| status.success()) && is_there() {
+        return Ok(());
+    }
+    Err(format!("the compiler lacks the target: `rustup target add {TARGET}`"))
+}
+
+fn is_there() -> bool {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let mut ask = Command::new(rustc);
+    ask.args(["--print", "target-libdir", "--target", TARGET]).current_dir(root());
+    ask.output()
+        .is_ok_and(|output| PathBuf::from(String::from_utf8_lossy(&output.stdout).trim()).is_dir())
+}
+
+/// The engine, as built.
+pub(crate) fn engine() -> PathBuf {
+    target().join(TARGET).join("web/myospring_web.wasm")
+}
+
+/// Builds the page; gives where it is.
+pub(crate) fn build() -> Result<PathBuf, String> {
+    let mut engine_step = cargo(["build", "-p", "myospring-web", "--lib", "--locked"]);
+    engine_step.args(["--profile", "web", "--target", TARGET]);
+    step("the engine", engine_step)?;
+    let page = target().join("web/myospring.html");
+    let folder = page.parent().unwrap_or(root());
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut around = cargo(["run", "--quiet", "-p", "myospring-web", "--locked", "--"]);
+    around.arg(engine()).arg(&page);
+    step("the page", around)?;
+    Ok(page)
+}
