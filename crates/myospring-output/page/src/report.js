@@ -4,5 +4,5 @@ import { readPayload } from "./data.js";
 import { showPage } from "./whole.js";
 import { setUpPrinting } from "./paper.js";
 
-const shown = showPage(readPayload(document), null);
-setUpPrinting(() => shown);
+const report = showPage(readPayload(document), null);
+setUpPrinting(() => report);
