@@ -9,7 +9,7 @@ const TARGET: &str = "wasm32-unknown-unknown";
 /// Builds the engine and the page around it, `target/web/myospring.html`, and says how large it is.
 pub(crate) fn run() -> Result<(), String> {
     toolchain()?;
-    let page = build()?;
+    let (_, page) = build("dist")?;
     let size = std::fs::metadata(&page).map_or(0, |file| file.len());
     say(&format!("{}: {:.2} MB\n", page.display(), size as f64 / 1e6));
     Ok(())
@@ -36,21 +36,17 @@ fn is_there() -> bool {
         .is_ok_and(|output| PathBuf::from(String::from_utf8_lossy(&output.stdout).trim()).is_dir())
 }
 
-/// The engine, as built.
-pub(crate) fn engine() -> PathBuf {
-    target().join(TARGET).join("web/myospring_web.wasm")
-}
-
-/// Builds the page; gives where it is.
-pub(crate) fn build() -> Result<PathBuf, String> {
-    let mut engine_step = cargo(["build", "-p", "myospring-web", "--lib", "--locked"]);
-    engine_step.args(["--profile", "web", "--target", TARGET]);
-    step("the engine", engine_step)?;
-    let page = target().join("web/myospring.html");
-    let folder = page.parent().unwrap_or(root());
-    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+/// Builds the engine by a profile, and the page around it; gives where they are.
+pub(crate) fn build(profile: &str) -> Result<(PathBuf, PathBuf), String> {
+    let mut command = cargo(["build", "-p", "myospring-web", "--lib", "--locked"]);
+    command.args(["--profile", profile, "--target", TARGET]);
+    step("the engine", command)?;
+    let engine = target().join(TARGET).join(profile).join("myospring_web.wasm");
+    let folder = target().join("web");
+    std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let page = folder.join("myospring.html");
     let mut around = cargo(["run", "--quiet", "-p", "myospring-web", "--locked", "--"]);
-    around.arg(engine()).arg(&page);
+    around.arg(&engine).arg(&page);
     step("the page", around)?;
-    Ok(page)
+    Ok((engine, page))
 }

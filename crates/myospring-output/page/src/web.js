@@ -38,7 +38,14 @@ async function start() {
   const { about } = await engine.ask({ ask: "about" });
   if (about === undefined) throw new Error("it does not answer");
   const form = new Form(about);
-  find("setup", HTMLDetailsElement).open = matchMedia("(min-width: 60rem)").matches;
+  const setup = find("setup", HTMLDetailsElement);
+  const isWide = matchMedia("(min-width: 60rem)");
+  setup.open = isWide.matches;
+  isWide.addEventListener("change", () => (setup.open = isWide.matches));
+  // On a phone the set-up covers the lower half, so that the cell goes to the upper one.
+  setup.addEventListener("toggle", () => {
+    if (setup.open && !isWide.matches) document.getElementById("stage")?.scrollIntoView();
+  });
   form.addEventListener("change", () => want(engine, form.setup));
   form.addEventListener("doses", async () => {
     const answer = await engine.ask({ ask: "doses", text: form.doses });
@@ -142,6 +149,9 @@ async function save(engine, what) {
 function setUpFiles(engine, form) {
   const input = find("file", HTMLInputElement);
   const builtIn = find("built-in", HTMLButtonElement);
+  const [pixelPlace, pixelSize] = [find("pixel-place", HTMLElement), find("pixel-size", HTMLInputElement)];
+  /** The picture that is the cell. */
+  let picture = "";
   const take = async (/** @type {File | undefined} */ file) => {
     if (file === undefined) return;
     if (file.size > LARGEST) {
@@ -156,12 +166,19 @@ function setUpFiles(engine, form) {
     }
     const held = await engine.ask({ ask: "hold", name: file.name }, new Uint8Array(await file.arrayBuffer()));
     if (failed(held)) return;
-    form.takeShape(isRun ? file.name : null, key === null ? {} : { [key]: file.name });
+    picture = key === "shape.picture" ? file.name : "";
+    pixelSize.value = "";
+    pixelPlace.hidden = picture === "";
     builtIn.hidden = false;
+    form.takeShape(isRun ? file.name : null, key === null ? {} : { [key]: file.name });
   };
   input.addEventListener("change", () => take(input.files?.[0]));
+  pixelSize.addEventListener("change", () => {
+    const size = pixelSize.value === "" ? {} : { "shape.pixel_size": `${pixelSize.value} um` };
+    form.takeShape(null, { "shape.picture": picture, ...size });
+  });
   builtIn.addEventListener("click", () => {
-    builtIn.hidden = true;
+    builtIn.hidden = pixelPlace.hidden = true;
     input.value = "";
     form.takeShape(null, {});
   });

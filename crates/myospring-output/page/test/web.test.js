@@ -155,7 +155,7 @@ test("a value out of bounds and a file that cannot be read are explained, and th
 test("a long run can be stopped", async () => {
   await opened({}, async (page) => {
     const field = page.getByRole("spinbutton", { name: /^stimuli/ });
-    await field.fill("1000");
+    await field.fill("90");
     await field.press("Enter");
     const stop = page.getByRole("button", { name: "Stop" });
     await stop.waitFor();
@@ -178,7 +178,7 @@ test("what it saves is whole", async () => {
       ["Figure (PNG)", "overview.png", "\ufffdPNG"],
     ]) {
       const waiting = page.waitForEvent("download");
-      await page.getByRole("button", { name: button }).click();
+      await page.getByRole("button", { name: button, exact: true }).click();
       const download = await waiting;
       assert.equal(download.suggestedFilename(), name);
       assert.ok((await readFile(await download.path(), "utf8")).startsWith(begins), name);

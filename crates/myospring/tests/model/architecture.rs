@@ -17,8 +17,13 @@ const CRATES: [(&str, Option<&str>); 4] = [
 ];
 
 /// The other crates: no rooms of the library, but without circles, too.
-const DOORS: [&str; 5] =
-    ["crates/myospring-cli", "crates/myospring-py", "crates/myospring-web", "verification", "xtask"];
+const DOORS: [&str; 5] = [
+    "crates/myospring-cli",
+    "crates/myospring-py",
+    "crates/myospring-web",
+    "verification",
+    "xtask",
+];
 
 /// A row of the table in ARCHITECTURE.md.
 struct Row {
