@@ -209,7 +209,7 @@ export class Form extends EventTarget {
     const row =
       range === undefined
         ? this.#choice(key, name, about, schema?.oneOf ?? [])
-        : slider({ name, about, unit, value: start !== undefined && !/\d/.test(String(value)) ? start : parseFloat(String(value)), range, set: (given) => {
+        : slider({ name, about, unit, value: start ?? parseFloat(String(value)), unset: /\d/.test(String(value)) || when !== undefined ? "" : String(value), range, set: (given) => {
             this.#set(key, unit === "" ? given : `${given} ${unit}`);
             this.#tell();
           } });
@@ -276,17 +276,19 @@ function fieldset(title, ...rows) {
 /**
  * A number: a slider, and a field that also takes what lies beyond it.
  *
- * @param {{ name: string, about: string, unit: string, value: number, range: [number, number, number], set: (value: number) => void }} what
+ * @param {{ name: string, about: string, unit: string, value: number, unset?: string, range: [number, number, number], set: (value: number) => void }} what Of `unset`
+ *   is said what it is as long as it is no number.
  */
-function slider({ name, about, unit, value, range: [low, high, step], set }) {
+function slider({ name, about, unit, value, unset = "", range: [low, high, step], set }) {
   const shown = String(Number(value.toPrecision(6)));
-  const field = make("input", { type: "number", value: shown, step: "any", "aria-label": `${name}, ${unit}` });
+  const field = make("input", { type: "number", value: unset === "" ? shown : "", placeholder: unset, step: "any" });
+  field.setAttribute("aria-label", unit === "" ? name : `${name}, ${unit}`);
   const bar = make("input", { type: "range", min: String(low), max: String(high), step: String(step), value: shown, "aria-label": name });
-  bar.setAttribute("aria-valuetext", `${shown} ${unit}`);
+  bar.setAttribute("aria-valuetext", unset === "" ? `${shown} ${unit}`.trim() : unset);
   bar.addEventListener("input", () => {
     const given = Number(Number(bar.value).toPrecision(6));
     field.value = String(given);
-    bar.setAttribute("aria-valuetext", `${given} ${unit}`);
+    bar.setAttribute("aria-valuetext", `${given} ${unit}`.trim());
     set(given);
   });
   field.addEventListener("change", () => {

@@ -174,6 +174,7 @@ function setUpFiles(engine, form) {
   };
   input.addEventListener("change", () => take(input.files?.[0]));
   pixelSize.addEventListener("change", () => {
+    /** @type {Record<string, string>} */
     const size = pixelSize.value === "" ? {} : { "shape.pixel_size": `${pixelSize.value} um` };
     form.takeShape(null, { "shape.picture": picture, ...size });
   });
