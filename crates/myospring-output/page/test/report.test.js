@@ -37,7 +37,7 @@ before(async () => {
   fitted = await fit("fitted", "--to", curve, "--spacing", "4 um");
   const other = join(folder, "plateau.csv");
   await writeFile(other, plateau());
-  unfitted = await fit("unfitted", "--to", other, "--spacing", "4 um");
+  unfitted = await fit("unfitted", "--to", other, "--spacing", "4 um", "--model", "coelho_2021");
   const train = join(folder, "train.csv");
   await writeFile(train, beats());
   analysed = await analyse("analysed", train);
