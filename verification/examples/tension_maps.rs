@@ -1,7 +1,8 @@
 //! How well a known map of tension is found in a film, over noise, shape and support.
 //!
-//! `cargo run --release -p myospring-verification --example tension_maps` prints the table of `docs/reference/accuracy.md`; with
-//! `-- docs/pictures/tension-map.png` it draws its picture instead.
+//! `cargo run --release -p myospring-verification --example tension_maps` prints the table of the peak of
+//! `docs/reference/accuracy.md`, with `-- coverage` that of the whole beat; with `-- docs/pictures/tension-map.png` it draws
+//! its picture instead.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
 
@@ -17,8 +18,9 @@ use myospring::microscopy::outlines::trace::{Edge, trace_mask};
 use myospring::output::field::Fields;
 use myospring::output::figure::{self, DrawnCell, Map};
 use myospring::output::files;
-use myospring::tension_map::{ObservedPeak, TensionMap};
-use pulled_film::{Pulled, even, passive_nucleus, weak_half};
+use myospring::tension_map::{ObservedPeak, TensionFilm, TensionMap};
+use pulled_film::{BEAT, FRAMES, Pulled, even, late_half, passive_nucleus, together, weak_half};
+use rayon::prelude::*;
 use synthetic_film::FilmScene;
 
 /// Correlation of two lists.
@@ -45,7 +47,7 @@ struct Told {
 
 fn told(tension: fn([f64; 2]) -> f64, support: SupportKind, noise: f64, seed: u64) -> Told {
     let scene = FilmScene { cell_um: [100.0, 22.0], noise, bits: 8, seed, ..FilmScene::default() };
-    let pulled = Pulled { scene, tension, support };
+    let pulled = Pulled { scene, tension, support, frames: &FRAMES, lag: together };
     let mesh = pulled.mesh(1.1);
     let simulation = pulled.simulation(mesh.clone());
     let map = TensionMap::of(&simulation, &ObservedPeak::at_peak(&pulled.followed(&mesh))).unwrap();
@@ -104,7 +106,8 @@ fn row(name: &str, tension: fn([f64; 2]) -> f64, support: SupportKind, noise: f6
 /// A weak half beside what a film with noise tells of it.
 fn draw(path: &std::path::Path) {
     let scene = FilmScene { cell_um: [100.0, 22.0], noise: 0.155, bits: 8, ..FilmScene::default() };
-    let pulled = Pulled { scene, tension: weak_half, support: SupportKind::MassCentre };
+    let support = SupportKind::MassCentre;
+    let pulled = Pulled { scene, tension: weak_half, support, frames: &FRAMES, lag: together };
     let mesh = pulled.mesh(1.1);
     let simulation = pulled.simulation(mesh.clone());
     let map = TensionMap::of(&simulation, &ObservedPeak::at_peak(&pulled.followed(&mesh))).unwrap();
@@ -129,9 +132,88 @@ fn draw(path: &std::path::Path) {
     files::write(path, figure.to_png(200.0).unwrap()).unwrap();
 }
 
+/// How much of the truth the bands of a film's frames have, %: of all frames, of those of the rise, of the peak, and of the
+/// fall; modes; part of the places that are known, %.
+fn over_the_beat(pulled: &Pulled) -> [f64; 6] {
+    let mesh = pulled.mesh(1.1);
+    let simulation = pulled.simulation(mesh.clone());
+    let (_, film) = TensionFilm::of(&simulation, &pulled.followed(&mesh)).unwrap();
+    let covered = |frames: std::ops::Range<usize>| {
+        let there = (0..film.frames.len()).filter(|at| frames.contains(&film.frames[*at]));
+        let parts: Vec<f64> = there
+            .map(|at| {
+                let truth = pulled.truth_in(&mesh, film.frames[at]);
+                let found =
+                    film.tensions_kpa(at).into_iter().zip(film.deviations_kpa(at)).zip(truth);
+                let within =
+                    found.filter(|((found, sd), truth)| (found - truth).abs() <= 1.96 * sd);
+                100.0 * within.count() as f64 / mesh.simplices.len() as f64
+            })
+            .collect();
+        parts.iter().sum::<f64>() / parts.len() as f64
+    };
+    let known = film.known(9).into_iter().filter(|known| *known).count() as f64;
+    [
+        covered(0..pulled.frames.len()),
+        covered(4..8),
+        covered(8..12),
+        covered(12..21),
+        film.modes as f64,
+        100.0 * known / mesh.simplices.len() as f64,
+    ]
+}
+
+/// The table of coverage over the beat.
+fn coverage() {
+    type Kind = (&'static str, fn([f64; 2]) -> f64, fn([f64; 2]) -> usize);
+    const FILMS: u64 = 4;
+    let kinds: [Kind; 4] = [
+        ("even", even, together),
+        ("weak half", weak_half, together),
+        ("passive nucleus", passive_nucleus, together),
+        ("half of the cell late", even, late_half),
+    ];
+    let supports =
+        [("", SupportKind::MassCentre), (", on a bed", SupportKind::ElasticBed { stiffness: 0.5 })];
+    println!(
+        "| cell | noise | all frames, % | rise, % | peak, % | fall, % | modes | known at the peak, % |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    for (name, tension, lag) in kinds {
+        for (on, support) in supports {
+            for noise in [0.05, 0.155, 0.4] {
+                let films: Vec<[f64; 6]> = (1..=FILMS)
+                    .into_par_iter()
+                    .map(|seed| {
+                        // No two films have a cell of one size.
+                        let length = 84.0 + 8.0 * seed as f64;
+                        let cell_um = [length, 17.0 + 2.0 * seed as f64];
+                        let scene =
+                            FilmScene { cell_um, noise, bits: 8, seed, ..FilmScene::default() };
+                        over_the_beat(&Pulled { scene, tension, support, frames: &BEAT, lag })
+                    })
+                    .collect();
+                let mean =
+                    |at: usize| films.iter().map(|film| film[at]).sum::<f64>() / FILMS as f64;
+                println!(
+                    "| {name}{on} | {noise} | {:.0} | {:.0} | {:.0} | {:.0} | {:.1} | {:.0} |",
+                    mean(0),
+                    mean(1),
+                    mean(2),
+                    mean(3),
+                    mean(4),
+                    mean(5)
+                );
+            }
+        }
+    }
+}
+
 fn main() {
-    if let Some(path) = std::env::args_os().nth(1) {
-        return draw(path.as_ref());
+    match std::env::args_os().nth(1) {
+        Some(word) if word == "coverage" => return coverage(),
+        Some(path) => return draw(path.as_ref()),
+        None => {}
     }
     println!(
         "| cell | noise | said to be uneven | mean tension, kPa | weak over strong part | correlation | numbers of the map | \

@@ -11,8 +11,10 @@
 //! |u - u(T)|^2 + lambda |grad T|^2
 //! ```
 //!
-//! over the squares of [`ObservedPeak::alike_um`], each of which has one error; shift and rotation
-//! of the whole cell are free. `u(T)` is the equilibrium under T, linearised at the last iterate
+//! over squares of half of [`ObservedPeak::alike_um`]; shift and rotation of the whole cell are free. A film shows each
+//! point's motion as a mean over its surroundings ([`Blur`]), so `u(T)` is averaged in the same way, and the
+//! correlation that this gives the errors of neighbouring squares is removed before they are summed.
+//! `u(T)` is the equilibrium under T, linearised at the last iterate
 //! (Gauss and Newton), and T is bilinear between the points of a grid.
 //!
 //! - `lambda` minimises the generalised cross-validation score (`golub_1979`); a uniform tension is
@@ -33,7 +35,7 @@
 //! use myospring::integrate::quasi_static::{Equilibrium, Tolerance};
 //! use myospring::mechanics::Tension;
 //! use myospring::prelude::*;
-//! use myospring::tension_map::{ObservedPeak, TensionMap};
+//! use myospring::tension_map::{Blur, ObservedPeak, TensionMap};
 //!
 //! // A strip of 100 x 20 um whose right half pulls half as hard.
 //! let simulation = Simulation::new(lattice::rectangle(25, 5, 4.0)?);
@@ -50,6 +52,7 @@
 //!     found: vec![true; mesh.len()],
 //!     cut: vec![false; mesh.len()],
 //!     alike_um: 4.0,
+//!     blur: Blur::default(),
 //!     frames: Vec::new(),
 //! };
 //! let map = TensionMap::of(&simulation, &seen)?;
@@ -63,8 +66,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod blur;
 mod cut;
 mod error;
+mod film;
 mod grid;
 mod least;
 mod map;
@@ -73,7 +78,9 @@ mod peak_shapes;
 mod smoothing;
 mod words;
 
+pub use blur::Blur;
 pub use error::TensionMapError;
+pub use film::TensionFilm;
 pub use map::{EVEN, TensionMap};
 pub use observed_peak::ObservedPeak;
 pub use peak_shapes::PeakShapes;

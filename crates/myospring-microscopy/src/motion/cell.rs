@@ -113,11 +113,16 @@ impl CellMotion {
         (0..self.mesh.len()).map(at_edge).collect()
     }
 
+    /// Standard deviation of the Gaussian that averages a point with its neighbours, um.
+    pub fn smoothing_um(&self) -> f64 {
+        f64::from(REACH / neighbours::SMOOTHING) * spacing(&self.mesh)
+    }
+
     /// Side of a square within which the errors of points are correlated, um, because subsets
     /// overlap and neighbours are averaged. The cell has about as many independent errors as it has
     /// such squares.
     pub fn alike_um(&self) -> f64 {
-        let smoothing = f64::from(REACH / neighbours::SMOOTHING) * spacing(&self.mesh);
+        let smoothing = self.smoothing_um();
         // Areas of correlation add: a side a has a^2, a Gaussian of standard deviation s has 4 pi
         // s^2.
         (self.subset_um.powi(2) + 4.0 * std::f64::consts::PI * smoothing.powi(2)).sqrt()

@@ -137,8 +137,8 @@ impl<'a> DrawnCell<'a> {
         let above = if least > level { rim.clone() } else { closed(&shaped.above(level), &at) };
         let Some(area) = above.bounds() else { return };
         let mut lines = Sheet::default();
-        // Dark lines on light ones are visible on any colour.
-        lines.path(hatching(area), Stroke::new(WHITE, 1.6).opacity(0.7));
+        // Colours of what is not known are not shown.
+        lines.rect(area.corner, area.size, Look::fill(WHITE));
         lines.path(hatching(area), Stroke::new(INK, 0.7));
         let mut inside = Sheet::default();
         inside.window(format!("{name}-lines"), above, lines);

@@ -22,8 +22,8 @@ pub struct Map<'a> {
     pub quantity: String,
     /// Limits of the colour scale; `None` takes the range of the values and 0.
     pub limits: Option<[f64; 2]>,
-    /// Relative standard deviation of the value at each point, if known; the map is hatched where
-    /// it exceeds one half.
+    /// Relative standard deviation of the value at each point, if known; where it exceeds one half the
+    /// map is hatched instead of coloured.
     pub doubts: Option<Vec<f64>>,
 }
 
@@ -106,7 +106,7 @@ pub fn maps(
             cell.hatch_above(&mut sheet, &name, map.positions, (doubts, DOUBTFUL), at);
             if doubts.iter().any(|doubt| *doubt > DOUBTFUL) {
                 let style = Style::new(TICK).colour(MUTED).anchor(Anchor::End);
-                let words = "hatched: SD above half of it";
+                let words = "hatched: not known";
                 sheet.text([left + width, top + 11.0], words, style);
             }
         }

@@ -5,11 +5,12 @@ use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
 use crate::output::field::Fields;
 use crate::output::figure::{self, Figure, FigureError, Map, Theme};
 use crate::output::json;
+use crate::output::npz::{self, Array};
 use crate::output::table::{Column, Table};
 use crate::output::vtu;
 use crate::recording::Frame;
 use crate::simulation::Simulation;
-use crate::tension_map::{ObservedPeak, TensionMap, TensionMapError};
+use crate::tension_map::{TensionFilm, TensionMap, TensionMapError};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -23,8 +24,10 @@ pub struct MapTension {
 /// A map with its film.
 #[derive(Clone)]
 pub struct FilmMap {
-    /// The map.
+    /// The map at the peak.
     pub map: TensionMap,
+    /// The map in each frame.
+    pub film: TensionFilm,
     /// The film's cell.
     pub followed: Arc<Followed>,
     verdicts: Vec<String>,
@@ -86,6 +89,8 @@ pub struct TensionMapRecord<'a> {
     /// Root mean square distance of the points from their measured positions.
     misfit_um: f64,
     even_misfit_um: f64,
+    /// Modes of the map over the whole film that exceed noise; 1 where the pattern stays the same.
+    modes: usize,
     verdicts: &'a [String],
 }
 
@@ -95,9 +100,16 @@ impl FilmMap {
     /// # Errors
     /// Those of [`TensionMap::of`].
     pub fn of(followed: Arc<Followed>, simulation: &Simulation) -> Result<Self, TensionMapError> {
-        let map = TensionMap::of(simulation, &ObservedPeak::at_peak(&followed.motion))?;
-        let verdicts = map.verdicts(simulation);
-        Ok(Self { map, followed, verdicts, notes: Vec::new() })
+        let (map, film) = TensionFilm::of(simulation, &followed.motion)?;
+        let mut verdicts = map.verdicts(simulation);
+        if film.modes > 1 && map.is_known() {
+            verdicts.push(format!(
+                "the pattern of tension changes during the film: {} modes exceed noise, so the map of the peak is not \
+                that of other frames",
+                film.modes
+            ));
+        }
+        Ok(Self { map, film, followed, verdicts, notes: Vec::new() })
     }
 
     /// Warnings for a reader of the map.
@@ -124,6 +136,7 @@ impl FilmMap {
             lambda_um2_per_kpa2: map.lambda,
             misfit_um: map.misfit_um,
             even_misfit_um: map.even_misfit_um,
+            modes: self.film.modes,
             verdicts: &self.verdicts,
         }
     }
@@ -187,9 +200,11 @@ impl FilmMap {
         observer: &dyn Observer,
     ) -> Result<(), ExperimentError> {
         folder.write("tension_map.csv", self.table().to_csv()?)?;
+        folder.write("tension_frames.csv", self.frames_table().to_csv()?)?;
         // The grid is written only if the map is known.
         if self.map.is_known() {
             folder.write("tension_map.vtu", self.grid()?)?;
+            folder.write("tension_frames.npz", self.arrays()?)?;
         }
         let draw = || self.figure();
         folder.figures(Theme::Light, &[("tension_map", &draw)], observer)
@@ -215,6 +230,47 @@ impl FilmMap {
             column("standard_deviation_over_tension", &mut map.doubts().into_iter()),
         ];
         Table { columns }
+    }
+
+    /// A row for each frame: the mean over the cell and how much of it is known.
+    pub fn frames_table(&self) -> Table {
+        let film = &self.film;
+        let column = |name: &str, values: Vec<f64>| Column::Number {
+            name: name.to_owned(),
+            values: values.into_iter().map(Some).collect(),
+        };
+        let known = |frame: usize| {
+            let known = film.known(frame);
+            let places = known.iter().filter(|known| **known).count();
+            100.0 * places as f64 / known.len().max(1) as f64
+        };
+        let columns = vec![
+            column("frame", film.frames.iter().map(|frame| *frame as f64).collect()),
+            column("t_ms", film.times_ms.clone()),
+            column("mean_tension_kPa", film.means_kpa.clone()),
+            column("standard_deviation_kPa", film.mean_deviations_kpa.clone()),
+            column("known_pct", (0..film.frames.len()).map(known).collect()),
+        ];
+        Table { columns }
+    }
+
+    /// Tension of each triangle in each frame for NumPy, not a number where it is not known.
+    fn arrays(&self) -> Result<Vec<u8>, ExperimentError> {
+        let film = &self.film;
+        let shape = [film.frames.len(), self.followed.motion.mesh.simplices.len()];
+        let frames = 0..film.frames.len();
+        let tensions = frames.clone().flat_map(|frame| {
+            let known = film.known(frame);
+            let values = film.tensions_kpa(frame).into_iter().zip(known);
+            values.map(|(value, known)| if known { value } else { f64::NAN }).collect::<Vec<_>>()
+        });
+        let deviations = frames.flat_map(|frame| film.deviations_kpa(frame));
+        let arrays = vec![
+            ("t_ms", Array::floats([shape[0]], film.times_ms.iter().copied())),
+            ("tension_kpa", Array::floats(shape, tensions)),
+            ("standard_deviation_kpa", Array::floats(shape, deviations)),
+        ];
+        npz::to_bytes(&arrays).map_err(ExperimentError::new)
     }
 
     /// The cell under the map, for ParaView.

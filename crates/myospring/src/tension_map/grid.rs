@@ -28,6 +28,15 @@ impl Squares {
         Self { points, weights }
     }
 
+    /// Weight of each point of each square in its mean.
+    pub(super) fn shares(&self) -> Vec<f64> {
+        self.points
+            .iter()
+            .zip(&self.weights)
+            .map(|(points, weight)| weight / points.len() as f64)
+            .collect()
+    }
+
     /// The weighted mean of each square, both axes one after the other.
     pub(super) fn means(&self, vectors: &[Vec<f64>; 2]) -> Vec<f64> {
         let mean = |axis: usize, square: usize| {
@@ -50,6 +59,7 @@ fn start(values: &[f64], side: f64) -> f64 {
 }
 
 /// A grid of points, between which a value in the triangles of a mesh is bilinear.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grid {
     /// For each triangle the points of the grid around its centre, and their weights, which sum to 1.
     pub(super) weights: Vec<Vec<(usize, f64)>>,

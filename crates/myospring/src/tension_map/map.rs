@@ -1,6 +1,7 @@
 //! The map of tension, round by round.
 
 use super::TensionMapError;
+use super::blur::{Means, Whitening};
 use super::cut;
 use super::grid::{Grid, Squares};
 use super::least::not_negative;
@@ -22,8 +23,12 @@ pub const EVEN: f64 = 0.05;
 /// the mesh.
 const POINTS: f64 = 240.0;
 const FINEST: f64 = 1.5;
-/// Fewest squares that a map is made from.
+/// Fewest squares with an error of their own that a map is made from; the approximate largest number of squares
+/// within them, whose errors are alike.
 const FEWEST: usize = 6;
+const SQUARES: f64 = 1000.0;
+/// Error of lengths in a film and on a coarse mesh, relative, which no number of frames averages out.
+pub(super) const SYSTEMATIC: f64 = 0.002;
 /// Rounds, and the change relative to the mean tension at which they end.
 const ROUNDS: usize = 10;
 const SETTLED: f64 = 1e-3;
@@ -76,6 +81,15 @@ impl TensionMap {
     /// # Errors
     /// Every [`TensionMapError`].
     pub fn of(simulation: &Simulation, seen: &ObservedPeak) -> Result<Self, TensionMapError> {
+        Ok(Self::with(simulation, seen, |_, _| Ok(()))?.0)
+    }
+
+    /// The map, and what `then` makes of the search that ended at it and of its linear problem.
+    pub(super) fn with<R>(
+        simulation: &Simulation,
+        seen: &ObservedPeak,
+        then: impl FnOnce(&mut Search<'_>, &Problem) -> Result<R, TensionMapError>,
+    ) -> Result<(Self, R), TensionMapError> {
         let mesh = &simulation.mesh;
         let points = mesh.len();
         let found = seen.displacements_um[0].len().min(seen.found.len());
@@ -93,6 +107,15 @@ impl TensionMap {
                 least: FEWEST,
             });
         }
+        let squares = Squares::new(
+            mesh,
+            (0.5 * seen.alike_um).max((mesh.area() / SQUARES).sqrt()),
+            &seen.found,
+        );
+        let means = Means::new(mesh, seen.blur);
+        let averaged = means.summed(&squares.points, &squares.shares());
+        let white = Whitening::new(&averaged)
+            .ok_or(TensionMapError::NoContraction { tension_kpa: f64::NAN })?;
         let apart = (mesh.area() / POINTS).sqrt();
         let spacing = mesh.lattice.as_ref().map_or(0.0, |lattice| lattice.spacing);
         let grid = Grid::new(mesh, apart.max(FINEST * spacing));
@@ -106,6 +129,9 @@ impl TensionMap {
             system: &system,
             seen,
             squares,
+            means,
+            averaged,
+            white,
             grid,
             equilibrium,
             positions,
@@ -126,7 +152,8 @@ impl TensionMap {
         let even_kpa = search.even()?;
         let even_misfit_um = search.misfit();
         let (problem, smoothing) = search.uneven()?;
-        search.answer(&problem, smoothing, even_kpa, even_misfit_um)
+        let more = then(&mut search, &problem)?;
+        Ok((search.answer(&problem, smoothing, even_kpa, even_misfit_um)?, more))
     }
 
     /// Whether the film shows that the cell pulls unevenly.
@@ -141,18 +168,22 @@ impl TensionMap {
 }
 
 /// The state of the iteration.
-struct Search<'a> {
-    mesh: &'a Mesh,
+pub(super) struct Search<'a> {
+    pub(super) mesh: &'a Mesh,
     system: &'a System,
-    seen: &'a ObservedPeak,
-    squares: Squares,
-    grid: Grid,
-    equilibrium: Equilibrium<'a>,
+    pub(super) seen: &'a ObservedPeak,
+    pub(super) squares: Squares,
+    pub(super) means: Means,
+    /// The means of the squares of what the film shows of the motion of the points.
+    averaged: DMatrix<f64>,
+    white: Whitening,
+    pub(super) grid: Grid,
+    pub(super) equilibrium: Equilibrium<'a>,
     /// The equilibrium under the tensions so far.
-    positions: Vectors,
+    pub(super) positions: Vectors,
     /// These, at the points of the grid, kPa.
-    values: DVector<f64>,
-    interruption: &'a Interruption,
+    pub(super) values: DVector<f64>,
+    pub(super) interruption: &'a Interruption,
 }
 
 impl Search<'_> {
@@ -177,9 +208,19 @@ impl Search<'_> {
     }
 
     /// The response of the means of the squares to 1 kPa times these values of the grid.
-    fn column(&mut self, values: &[f64]) -> Vec<f64> {
+    fn column(&mut self, values: &[f64]) -> DVector<f64> {
         let forces = self.forces(&self.grid.in_triangles(values));
-        self.squares.means(&self.equilibrium.response(&forces))
+        let [x, y] = self.equilibrium.response(&forces);
+        let shown = [x, y].map(|axis| &self.averaged * DVector::from_vec(axis));
+        let shown: Vec<f64> = shown.iter().flat_map(DVector::iter).copied().collect();
+        self.independent(&shown)
+    }
+
+    /// Numbers of the squares, both axes one after the other, so that their errors are independent.
+    pub(super) fn independent(&self, numbers: &[f64]) -> DVector<f64> {
+        let (x, y) = numbers.split_at(numbers.len() / 2);
+        let both = [x, y].map(|axis| self.white.of(axis.to_vec()));
+        DVector::from_iterator(numbers.len(), both.iter().flat_map(DVector::iter).copied())
     }
 
     /// The displacements that the tensions must explain, given the columns.
@@ -187,13 +228,17 @@ impl Search<'_> {
         // Rotated to the current positions, so that the remaining rotation is small.
         let target = placed(&self.target(), &self.positions, &self.seen.found);
         let away = [0, 1].map(|axis: usize| {
-            target[axis].iter().zip(&self.positions[axis]).map(|(seen, now)| seen - now).collect()
+            let rest = &self.mesh.points[axis];
+            let moved: Vec<f64> =
+                self.positions[axis].iter().zip(rest).map(|(now, rest)| now - rest).collect();
+            let shown = self.means.of(&moved);
+            (0..rest.len()).map(|at| target[axis][at] - rest[at] - shown[at]).collect()
         });
-        DVector::from_vec(self.squares.means(&away)) + explained
+        self.independent(&self.squares.means(&away)) + explained
     }
 
     /// Shifts and rotations of the whole cell in the means of the squares, orthonormal.
-    fn whole(&self) -> DMatrix<f64> {
+    pub(super) fn whole(&self) -> DMatrix<f64> {
         let count = self.mesh.len();
         let [x, y] = &self.positions;
         let ways = [
@@ -201,7 +246,7 @@ impl Search<'_> {
             [vec![0.0; count], vec![1.0; count]],
             [y.iter().map(|y| -y).collect(), x.clone()],
         ];
-        let columns = ways.map(|way| DVector::from_vec(self.squares.means(&way)));
+        let columns = ways.map(|way| self.independent(&self.squares.means(&way)));
         DMatrix::from_columns(&columns).qr().q()
     }
 
@@ -210,7 +255,7 @@ impl Search<'_> {
         let count = self.grid.len();
         for _ in 0..ROUNDS {
             self.linearise()?;
-            let column = DVector::from_vec(self.column(&vec![1.0; count]));
+            let column = self.column(&vec![1.0; count]);
             let whole = self.whole();
             let column = &column - &whole * whole.tr_mul(&column);
             let left = self.left(&(&column * self.values[0]));
@@ -255,7 +300,7 @@ impl Search<'_> {
         for number in 0..count {
             self.interruption.check()?;
             unit[number] = 1.0;
-            columns.set_column(number, &DVector::from_vec(self.column(&unit)));
+            columns.set_column(number, &self.column(&unit));
             unit[number] = 0.0;
         }
         let seen = self.left(&(&columns * &self.values));
@@ -333,9 +378,11 @@ impl Search<'_> {
         let mean_kpa = mean_of.dot(&self.values);
         let with_mean = &covariance * &mean_of;
         let mean_variance = mean_of.dot(&with_mean);
+        let systematic = |tension: f64| (SYSTEMATIC * tension).powi(2);
         let tensions_kpa = self.grid.in_triangles(self.values.as_slice());
-        let deviations: Vec<f64> =
-            covariance.diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect();
+        let deviations: Vec<f64> = (covariance.diagonal().iter().zip(self.values.iter()))
+            .map(|(variance, tension)| (variance.max(0.0) + systematic(*tension)).sqrt())
+            .collect();
         let relative_deviations: Vec<f64> = (0..self.grid.len())
             .map(|at| {
                 let relative = self.values[at] / mean_kpa;
@@ -359,7 +406,7 @@ impl Search<'_> {
                 .map(resolution)
                 .collect(),
             mean_kpa,
-            mean_deviation_kpa: mean_variance.max(0.0).sqrt(),
+            mean_deviation_kpa: (mean_variance.max(0.0) + systematic(mean_kpa)).sqrt(),
             even_kpa,
             numbers,
             lambda,
@@ -375,7 +422,7 @@ impl Search<'_> {
 }
 
 /// Points shifted and rotated to others, by least squares over those that were found.
-fn placed(from: &[Vec<f64>; 2], to: &[Vec<f64>; 2], found: &[bool]) -> [Vec<f64>; 2] {
+pub(super) fn placed(from: &[Vec<f64>; 2], to: &[Vec<f64>; 2], found: &[bool]) -> [Vec<f64>; 2] {
     let weights: Vec<f64> = found.iter().map(|found| f64::from(u8::from(*found))).collect();
     laid_upon(from, to, &weights)
 }

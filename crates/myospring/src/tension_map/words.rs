@@ -10,6 +10,8 @@ const MUCH: f64 = 0.05;
 /// may be doubtful before no map is shown.
 const DOUBTFUL: f64 = 0.5;
 const MOST: f64 = 0.5;
+/// Part of the mean tension that stands for the tension of places with less.
+const OF_MEAN: f64 = 0.5;
 /// Misfit of a map, as a part of that of a uniform tension, above which there is a warning.
 const LEFT: f64 = 0.7;
 
@@ -24,16 +26,15 @@ impl TensionMap {
         middle(&self.tensions_kpa, part)
     }
 
-    /// Standard deviation of each triangle over its tension: 1 at most, also where there is no tension.
+    /// Standard deviation of each triangle over its tension, or over half of the cell's mean where that is more: 1 at most. So
+    /// a place with little tension that is known to be little is not doubtful.
     pub fn doubts(&self) -> Vec<f64> {
         let both = self.deviations_kpa.iter().zip(&self.tensions_kpa);
-        let over = |(deviation, tension): (&f64, &f64)| {
-            if deviation < tension { deviation / tension } else { 1.0 }
-        };
-        both.map(over).collect()
+        let enough = |tension: f64| tension.max(OF_MEAN * self.mean_kpa);
+        both.map(|(deviation, tension)| (deviation / enough(*tension)).min(1.0)).collect()
     }
 
-    /// Part of the triangles whose standard deviation is above half of their tension.
+    /// Part of the triangles whose standard deviation is above half of their tension, and above a quarter of the mean.
     pub fn doubtful_part(&self) -> f64 {
         let doubts = self.doubts();
         let doubtful = doubts.iter().filter(|doubt| **doubt > DOUBTFUL).count();
@@ -50,7 +51,7 @@ impl TensionMap {
     pub fn why_not_known(&self) -> String {
         format!(
             "This film does not show where the cell pulls: in {:.0} % of the cell the standard deviation is above \
-            half of the tension. The uniform tension that fits the film best is {:.1} kPa, the mean of a map would \
+            half of the tension and a quarter of its mean. The uniform tension that fits the film best is {:.1} kPa, the mean of a map would \
             be {:.1} kPa. Try larger subsets, a sharper film, one that shows the whole cell, or the true support of \
             the cell.",
             100.0 * self.doubtful_part(),
@@ -90,7 +91,7 @@ impl TensionMap {
         } else if doubtful > MUCH {
             words.push(format!(
                 "in {:.0} % of the cell, hatched in the figure, the standard deviation is above half of the \
-                tension: do not use single places there",
+                tension and a quarter of its mean: the tension of these places is not known, and not drawn",
                 100.0 * doubtful
             ));
         }

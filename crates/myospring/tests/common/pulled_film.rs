@@ -14,6 +14,11 @@ use myospring::simulation::Simulation;
 
 /// Frames at rest, at half of the tension, and at its peak.
 pub(crate) const FRAMES: [f64; 9] = [0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 0.5, 0.0];
+/// A beat that rises and falls smoothly.
+pub(crate) const BEAT: [f64; 24] = [
+    0.0, 0.0, 0.0, 0.0, 0.08, 0.3, 0.58, 0.82, 0.96, 1.0, 0.98, 0.9, 0.78, 0.65, 0.5, 0.37, 0.26,
+    0.17, 0.1, 0.05, 0.02, 0.0, 0.0, 0.0,
+];
 /// Spacing of the lattice that makes the truth, um: finer than any that a map is made on.
 const TRUE_SPACING: f64 = 0.7;
 
@@ -23,6 +28,10 @@ pub(crate) struct Pulled {
     /// Peak tension at a place relative to the middle of the cell, um, kPa.
     pub(crate) tension: fn([f64; 2]) -> f64,
     pub(crate) support: SupportKind,
+    /// Part of the peak tension in each frame.
+    pub(crate) frames: &'static [f64],
+    /// By how many frames a place is late.
+    pub(crate) lag: fn([f64; 2]) -> usize,
 }
 
 /// No tension in an ellipse of 18 x 7.2 um.
@@ -33,6 +42,16 @@ pub(crate) fn passive_nucleus([x, y]: [f64; 2]) -> f64 {
 /// Half as much at x > 0.
 pub(crate) fn weak_half([x, _]: [f64; 2]) -> f64 {
     if x > 0.0 { 20.0 } else { 40.0 }
+}
+
+/// All places at once.
+pub(crate) fn together(_: [f64; 2]) -> usize {
+    0
+}
+
+/// The part at x > 0 two frames late.
+pub(crate) fn late_half([x, _]: [f64; 2]) -> usize {
+    if x > 0.0 { 2 } else { 0 }
 }
 
 /// The same everywhere.
@@ -58,13 +77,26 @@ impl Pulled {
         mesh.simplices.iter().map(|triangle| at(mesh.centre(triangle))).collect()
     }
 
+    /// True tension at the place of each triangle of a mesh in a frame, kPa.
+    pub(crate) fn truth_in(&self, mesh: &Mesh, frame: usize) -> Vec<f64> {
+        let [cx, cy] = self.scene.middle();
+        let late = |[x, y]: [f64; 2]| (self.lag)([x - cx, y - cy]);
+        let part = |place: [f64; 2]| self.frames[frame.saturating_sub(late(place))];
+        let places = mesh.simplices.iter().map(|triangle| mesh.centre(triangle));
+        places.zip(self.truth(mesh)).map(|(place, tension)| part(place) * tension).collect()
+    }
+
     /// Displacements of the points of a mesh under a part of the tension, um.
     pub(crate) fn displacements(&self, mesh: &Mesh, part: f64) -> [Vec<f64>; 2] {
+        let tensions: Vec<f64> = self.truth(mesh).iter().map(|tension| part * tension).collect();
+        self.moved(mesh, &tensions)
+    }
+
+    fn moved(&self, mesh: &Mesh, tensions: &[f64]) -> [Vec<f64>; 2] {
         let simulation = self.simulation(mesh.clone());
         let (body, system) = simulation.mechanics();
         let mut equilibrium = Equilibrium::new(&system, &body, Tolerance::default()).unwrap();
-        let tensions: Vec<f64> = self.truth(mesh).iter().map(|tension| part * tension).collect();
-        let moved = equilibrium.find(&body.positions, Tension::PerElement(&tensions)).unwrap();
+        let moved = equilibrium.find(&body.positions, Tension::PerElement(tensions)).unwrap();
         [0, 1].map(|axis: usize| {
             moved[axis].iter().zip(&mesh.points[axis]).map(|(now, rest)| now - rest).collect()
         })
@@ -75,8 +107,8 @@ impl Pulled {
         let mesh = self.mesh(TRUE_SPACING);
         let [width, height] = self.scene.size();
         let mut bytes = format!("YUV4MPEG2 W{width} H{height} F50:1 Cmono\n").into_bytes();
-        for (frame, part) in FRAMES.into_iter().enumerate() {
-            let field = Field::new(&mesh, &self.displacements(&mesh, part));
+        for frame in 0..self.frames.len() {
+            let field = Field::new(&mesh, &self.moved(&mesh, &self.truth_in(&mesh, frame)));
             let mut random = Random(self.scene.seed * 7919 + frame as u64);
             bytes.extend(b"FRAME\n");
             for row in 0..height {

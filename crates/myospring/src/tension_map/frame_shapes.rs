@@ -1,0 +1,94 @@
+//! The cell of a film compared with a simulated one, frame by frame.
+
+use super::observed_peak::{displacement, rest_frames};
+use crate::analysis::shape::laid_upon;
+use crate::microscopy::motion::CellMotion;
+use crate::recording::Frame;
+
+/// How far a simulated cell is from that of the film in one frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameDistance {
+    /// Number of the frame in the film.
+    pub frame: usize,
+    /// Its time from the first frame of the film, ms.
+    pub t_ms: f64,
+    /// Distance of the points, root mean square over the cell's area, um, after the best shift and rotation of the whole
+    /// cell.
+    pub distance_um: f64,
+    /// The same between the measured points and the cell at rest: how far it has moved.
+    pub movement_um: f64,
+}
+
+impl FrameDistance {
+    /// Of each frame that the simulated frames reach; these are interpolated linearly, and their time 0 is at `start_ms` of
+    /// the film.
+    pub fn all(motion: &CellMotion, simulated: &[Frame], start_ms: f64) -> Vec<Self> {
+        let mesh = &motion.mesh;
+        let at_rest = displacement(motion, &rest_frames(motion));
+        let shown = motion.frames_with_cell().into_iter();
+        let one = |frame: usize| {
+            let t_ms = motion.times_ms[frame];
+            let now = between(simulated, t_ms - start_ms)?;
+            let moved = &motion.displacements_um[frame];
+            let measured = [0, 1].map(|axis: usize| {
+                let ways = moved[axis].iter().zip(&at_rest[axis]).map(|(now, rest)| now - rest);
+                mesh.points[axis].iter().zip(ways).map(|(rest, way)| rest + way).collect()
+            });
+            let found = motion.interpolated[frame].iter().zip(&mesh.areas);
+            let weights: Vec<f64> =
+                found.map(|(lost, area)| if *lost { 0.0 } else { *area }).collect();
+            let apart = |shape: &[Vec<f64>; 2]| distance(shape, &measured, &weights);
+            let (distance_um, movement_um) = (apart(&now), apart(&mesh.points));
+            Some(Self { frame: motion.frames[frame], t_ms, distance_um, movement_um })
+        };
+        shown.filter_map(one).collect()
+    }
+}
+
+/// Root mean square distance of points from others, shifted and rotated to them.
+fn distance(points: &[Vec<f64>; 2], others: &[Vec<f64>; 2], weights: &[f64]) -> f64 {
+    let placed = laid_upon(points, others, weights);
+    let square = |at: usize| (0..2).map(|a| (placed[a][at] - others[a][at]).powi(2)).sum::<f64>();
+    let sum: f64 = weights.iter().enumerate().map(|(at, weight)| weight * square(at)).sum();
+    (sum / weights.iter().sum::<f64>()).sqrt()
+}
+
+/// Positions at a time, um; `None` beyond the frames.
+fn between(frames: &[Frame], t_ms: f64) -> Option<[Vec<f64>; 2]> {
+    let next = frames.partition_point(|frame| frame.t_ms < t_ms);
+    let after = frames.get(next)?;
+    let Some(before) = next.checked_sub(1).map(|at| &frames[at]) else {
+        return ((after.t_ms - t_ms).abs() < 1e-6).then(|| after.positions.clone());
+    };
+    let part = (t_ms - before.t_ms) / (after.t_ms - before.t_ms);
+    let mix = |(from, to): (&f64, &f64)| from + part * (to - from);
+    Some([0, 1].map(|axis: usize| {
+        before.positions[axis].iter().zip(&after.positions[axis]).map(mix).collect()
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(t_ms: f64, x: f64) -> Frame {
+        Frame { t_ms, ta_kpa: 0.0, ta_by_triangle_kpa: None, positions: [vec![x], vec![0.0]] }
+    }
+
+    #[test]
+    fn positions_between_frames_are_on_the_line_and_beyond_them_there_are_none() {
+        let frames = [frame(0.0, 1.0), frame(10.0, 3.0)];
+        assert_eq!(between(&frames, 2.5).unwrap()[0], [1.5]);
+        assert_eq!(between(&frames, 0.0).unwrap()[0], [1.0]);
+        assert!(between(&frames, 10.1).is_none() && between(&frames, -0.1).is_none());
+    }
+
+    #[test]
+    fn a_shift_of_the_whole_cell_is_no_distance() {
+        let points = [vec![0.0, 1.0, 0.0], vec![0.0, 0.0, 1.0]];
+        let shifted = points.clone().map(|axis| axis.iter().map(|x| x + 2.0).collect());
+        assert!(distance(&points, &shifted, &[1.0; 3]) < 1e-12);
+        let wider = points.clone().map(|axis| axis.iter().map(|x| 1.3 * x).collect());
+        assert!(distance(&points, &wider, &[1.0; 3]) > 0.1);
+    }
+}
