@@ -108,7 +108,10 @@ class TensionMap:
         return dataset({**columns, **shapes}, centres, {"title": self.cell.name, "headline": self.headline})
 
     def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
-        """Writes ``tension_map.json``, ``tension_map.csv``, the figure and, of a map that is known, ``tension_map.vtu``.
+        """Writes what `myospring fit` writes of a map.
+
+        ``tension_map.json``, ``tension_map.csv``, ``tension_frames.csv``, the figure and, of a map that is known,
+        ``tension_map.vtu`` and ``tension_frames.npz``.
 
         Parameters
         ----------

