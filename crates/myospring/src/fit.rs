@@ -67,3 +67,4 @@ pub use own_tension::{FILE as TENSION_FILE, MeanBeat, OwnTension, TensionMetric}
 pub use settings::{FitOptions, FitSettings};
 pub use simplest::simplest;
 pub use unknown::Unknown;
+pub(crate) use words::OF_OWN_TENSION;

@@ -96,7 +96,7 @@ pub(super) fn of_own_tension(fit: &Fit, modulus: f64) -> Vec<String> {
 }
 
 /// What a cell's own tension is worth.
-pub(super) const OF_OWN_TENSION: &str = "this is the tension that the curve needs, frame by frame; it predicts nothing beyond this recording";
+pub(crate) const OF_OWN_TENSION: &str = "this is the tension that the curve needs, frame by frame; it predicts nothing beyond this recording";
 
 /// Frames that were left out.
 fn of_frames(fit: &Fit) -> Vec<String> {

@@ -221,6 +221,20 @@ fn times_in_the_first_row_are_times() {
 }
 
 #[test]
+fn a_column_that_is_meant_twice_is_one_curve() {
+    let text = "t_ms,length_um,length_um\n0,5,6\n10,4,5\n20,3,5\n30,4,6\n";
+    let names = |values: &[&str]| -> Vec<String> {
+        let values = values.iter().map(|value| Column::of(value)).collect();
+        let table = read(text, &TableOptions { values, ..NONE() });
+        table.curves.into_iter().map(|curve| curve.name).collect()
+    };
+    let both = ["length_um (column 2)", "length_um (column 3)"];
+    assert_eq!(names(&[]), both);
+    assert_eq!(names(&["length_um", "2"]), both);
+    assert_eq!(names(&["3", "length_um", "3"]), [both[1], both[0]]);
+}
+
+#[test]
 fn frames_beside_an_index_are_frames() {
     let frames: Vec<String> = (0..30).map(|frame| frame.to_string()).collect();
     let values: Vec<String> = (0..30).map(|frame| format!("0.0{}", frame % 7)).collect();

@@ -6,7 +6,7 @@ use crate::analysis::summary::Summary;
 use crate::cell::CellModel;
 use crate::experiment::run::parameters;
 use crate::experiment::{ExperimentError, citations};
-use crate::fit::{Estimate, Fit, FitVerdict, Unknown};
+use crate::fit::{Estimate, Fit, FitVerdict, OF_OWN_TENSION, Unknown};
 use crate::output::field::Field;
 use crate::output::figure::{DrawnFit, DrawnTension, Figure, FigureError};
 use crate::output::page::{
@@ -75,7 +75,10 @@ pub(super) fn html(
         title: &title,
         facts,
         answer: Some(Answer { words: words::headline(fit), quality }),
-        warnings: fit.verdicts.iter().cloned().chain(runs.warnings()).collect(),
+        // The headline says already what an own tension is.
+        warnings: (fit.verdicts.iter().filter(|verdict| *verdict != OF_OWN_TENSION).cloned())
+            .chain(runs.warnings())
+            .collect(),
         sections,
     };
     Ok(page::html(&page)?)

@@ -8,6 +8,7 @@ use crate::measured::error::ReadError;
 use crate::measured::number::Cell;
 use crate::measured::options::Column;
 use crate::measured::times::{Clock, Timed};
+use std::collections::BTreeSet;
 
 /// Marks closer together than this belong to one pulse, ms: no heart beats thirty times a second.
 const PULSE_MS: f64 = 30.0;
@@ -176,6 +177,15 @@ impl Picked<'_> {
         Ok(times)
     }
 
+    /// Returns the columns that were asked for. One that is meant twice, by its name and its number, is one curve.
+    fn meant(&self, titles: &[Title]) -> Result<Vec<usize>, ReadError> {
+        let found = self.options.values.iter().map(|wanted| self.find(wanted, titles));
+        let mut all = found.collect::<Result<Vec<_>, _>>()?.concat();
+        let mut seen = BTreeSet::new();
+        all.retain(|at| seen.insert(*at));
+        Ok(all)
+    }
+
     /// Returns the columns that are curves.
     pub(super) fn columns(
         &mut self,
@@ -187,8 +197,7 @@ impl Picked<'_> {
             None => Vec::new(),
         };
         if !self.options.values.is_empty() {
-            let found = self.options.values.iter().map(|wanted| self.find(wanted, titles));
-            return Ok(found.collect::<Result<Vec<_>, _>>()?.concat());
+            return self.meant(titles);
         }
         let free = |at: &usize| {
             !times.contains(at)
