@@ -208,3 +208,22 @@ def test_the_tension_that_a_curve_asks_for_is_found_and_repeats_it() -> None:
     assert abs(own.tension_kpa.max() - beat.ta_kpa.max()) < 4e-3
     again = found.simulate()
     assert abs(again.metrics["peak_shortening"] - beat.metrics["peak_shortening"]) < 0.01
+
+
+def test_without_a_model_the_simplest_that_follows_the_curve_is_taken() -> None:
+    cell = myospring.Cell.builtin(spacing_um=5)
+    beat = myospring.simulate(cell, model="land_2017", integrator="quasi-static")
+    found = myospring.fit((beat.t_ms[::10], beat.length_um[::10]), cell, stimulus_times_ms=[50.0])
+    first, *others = found.tried
+    assert (found.model, first.model, first.taken, first.verdict) == ("land_2017", "land_2017", True, "fits")
+    assert {"coelho_2021", "given_tension", "tor_ord_land"} <= {row.model for row in others}
+    assert not any(row.taken for row in others)
+    slow = next(row for row in others if row.model == "tor_ord_land")
+    assert slow.reason is not None and slow.bic is None
+    # A cell that contracts slowly and relaxes fast, as no adult cell does.
+    times = np.arange(0.0, 1000.0, 10.0)
+    part = np.interp(times, [0, 50, 550, 650, 720, 1000], [0, 0, 1, 0.6, 0, 0])
+    other = myospring.fit((times, 140 * (1 - 0.05 * part)), cell, stimulus_times_ms=[50.0])
+    assert other.model == "given_tension" and other.own_tension is not None
+    assert "given_tension" in repr(other)
+    assert myospring.fit((times, 140 * (1 - 0.05 * part)), cell, model="coelho_2021").tried == []

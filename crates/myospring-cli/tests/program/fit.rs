@@ -49,11 +49,14 @@ fn a_curve_gives_numbers_with_intervals_a_figure_and_a_run_that_repeats_it() {
     let output = myospring(folder.path(), &arguments);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
+    assert!(text.starts_with("coelho_2021 fits. Of the 7 models that were tried"), "{text}");
+    assert!(text.contains("land_2017 ") && text.contains("does not fit"), "{text}");
     assert!(text.contains("tension_over_stiffness") && text.contains("95 % interval"), "{text}");
     // What a length alone does not tell is said.
     assert!(stderr(&output).contains("not either"), "{}", stderr(&output));
     let results = folder.path().join("results/cell_fit");
-    assert_eq!(names(&results), ["curve.csv", "figures", "fit.json", "report.html", "run.toml"]);
+    let files = ["curve.csv", "figures", "fit.json", "models.csv", "report.html", "run.toml"];
+    assert_eq!(names(&results), files);
     assert_eq!(names(&results.join("figures")), ["fit.png", "fit.svg"]);
     let record: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(results.join("fit.json")).unwrap()).unwrap();
@@ -91,8 +94,9 @@ fn a_model_that_does_not_fit_is_said_before_any_number_and_in_every_file() {
             )
         });
     fs::write(folder.path().join("wave.csv"), rows).unwrap();
+    let of_model = [&SPACING[..], &["--model", "coelho_2021"]].concat();
     let one = ["fit", "--to", "wave.csv", "--columns", "a length (um)", "--starts", "2"];
-    let output = myospring(folder.path(), &[&one[..], &SPACING].concat());
+    let output = myospring(folder.path(), &[&one[..], &of_model].concat());
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     assert!(text.starts_with("The model does not fit.\n"), "{text}");
@@ -108,7 +112,7 @@ fn a_model_that_does_not_fit_is_said_before_any_number_and_in_every_file() {
     assert!(read("report.html").contains("The model does not fit."));
     assert!(read("figures/fit.svg").contains("The model does not fit"));
     let both = ["fit", "--to", "wave.csv", "--starts", "2"];
-    let output = myospring(folder.path(), &[&both[..], &SPACING].concat());
+    let output = myospring(folder.path(), &[&both[..], &of_model].concat());
     assert_eq!(stdout(&output).matches("does not fit").count(), 2, "{}", stdout(&output));
     let table = fs::read_to_string(folder.path().join("results/wave_fits/fits.csv")).unwrap();
     assert_eq!(table.matches(",does-not-fit,").count(), 2, "{table}");

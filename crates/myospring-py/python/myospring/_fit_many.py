@@ -58,7 +58,7 @@ class Fits(Sequence[Union[Fit, None]]):
         Returns
         -------
         pandas.DataFrame
-            Columns: each parameter with its unit, the ends of its interval and its verdict, then
+            Columns: ``model``, each parameter with the ends of its interval and its verdict, then
             ``reduced_chi_squared``, ``verdict``, ``status`` and ``reason``. The name of the curve is the index.
         """
         import pandas
@@ -67,6 +67,7 @@ class Fits(Sequence[Union[Fit, None]]):
         for fit, reason in zip(self._fits, self.reasons):
             row: dict[str, Any] = {}
             if fit is not None:
+                row["model"] = fit.model
                 for name, one in fit.parameters.items():
                     row[name] = one.value
                     row[f"{name}_from"], row[f"{name}_to"] = one.interval
@@ -220,7 +221,8 @@ def fit_many(
     batch_seconds, tries, progress
         As in `run_study`, for cells instead of members.
     **settings
-        Known properties of the cells: the settings of `simulate`.
+        Known properties of the cells: the settings of `simulate`; without ``model`` each cell has the simplest that follows
+        its curve, as in `fit`.
 
     Returns
     -------

@@ -135,8 +135,10 @@ impl FitCell {
         }
         let resolve = |name: &str| {
             let settings: Vec<_> = model_named(name).into_iter().chain(settings.to_vec()).collect();
-            let settled = input::settle(of_cell, &settings, files, &Interruption::default());
-            settled.map(|(_, run)| run)
+            match (film, of_cell) {
+                (Some(film), None) => self.track(film, &settings).settled(files),
+                _ => Ok(input::settle(of_cell, &settings, files, &Interruption::default())?.1),
+            }
         };
         Models::all(resolve, |file| files.bytes(file))
     }

@@ -16,6 +16,7 @@ pub use report::{HeadlineReport, TrackReport};
 pub use tracked::Tracked;
 
 use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
+use crate::settings::Run;
 use followed::AtRest;
 use serde::Serialize;
 use std::sync::Arc;
@@ -26,8 +27,13 @@ impl Track {
     /// # Errors
     /// Settings that are not possible, and a film that is not there.
     pub fn check(&self, files: &Files) -> Result<String, ExperimentError> {
-        followed::settled(self, files, &())?;
+        self.settled(files)?;
         open::name(&self.film, files)
+    }
+
+    /// The run of its settings.
+    pub(super) fn settled(&self, files: &Files) -> Result<Run, ExperimentError> {
+        followed::settled(self, files, &())
     }
 
     /// Finds the cell in the frame at rest and follows it. If it is interrupted, the frames that are done are kept.

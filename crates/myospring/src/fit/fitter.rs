@@ -290,7 +290,6 @@ impl Fitter {
             }
         }
         let Some(Found { mut layout, mut ends, before }) = best else { return Ok(None) };
-        let asked = settings.starts.max(1);
         if layout.leave_out_bad_frames(&ends[0]) {
             let again = |end: &Least| minimise(&layout, &end.at, &work);
             ends = ends.iter().filter_map(again).collect();
@@ -299,7 +298,7 @@ impl Fitter {
                 return Ok(None);
             }
         }
-        let fit = self.answer(&layout, ends, asked, &work);
+        let fit = self.answer(&layout, ends, settings, &work);
         Ok(fit.map(|fit| Fit { beats_before: before, ..fit }))
     }
 
@@ -378,10 +377,11 @@ impl Fitter {
         &self,
         layout: &Layout,
         mut ends: Vec<Least>,
-        asked: usize,
+        settings: &FitSettings,
         work: &Work<'_>,
     ) -> Option<Fit> {
-        let shown: Vec<usize> = (0..layout.roles.len()).filter(|&k| layout.is_shown(k)).collect();
+        let shown = |&place: &usize| settings.intervals && layout.is_shown(place);
+        let shown: Vec<usize> = (0..layout.roles.len()).filter(shown).collect();
         let mut sure = Sure::of(layout, &ends, &shown, work)?;
         let starts = ends.clone();
         for _ in 1..ANSWERS {
@@ -442,7 +442,7 @@ impl Fitter {
                 .collect::<Option<_>>()?,
             verdicts: Vec::new(),
             beats_before: 0,
-            agreeing_starts: [agreeing, asked],
+            agreeing_starts: [agreeing, settings.starts.max(1)],
             starts: starts.iter().map(|end| (end.sum / count).sqrt()).collect(),
             reduced_chi_squared: reduced,
             numbers: layout.roles.len(),

@@ -50,12 +50,11 @@ impl FitOptions {
         }
         let bounds: BTreeMap<Unknown, [f64; 2]> =
             self.bounds.iter().map(|(name, ends)| (named(name), *ends)).collect();
-        match bounds.keys().find(|unknown| !free.contains(unknown)) {
-            Some(unknown) => Err(not_sought(unknown, &free)),
-            None => {
-                Ok(FitSettings { free: Some(free), bounds, starts: self.starts, seed: self.seed })
-            }
+        if let Some(unknown) = bounds.keys().find(|unknown| !free.contains(unknown)) {
+            return Err(not_sought(unknown, &free));
         }
+        let (starts, seed) = (self.starts, self.seed);
+        Ok(FitSettings { free: Some(free), bounds, starts, seed, ..FitSettings::default() })
     }
 }
 
@@ -71,11 +70,13 @@ pub struct FitSettings {
     pub starts: usize,
     /// Seed of the starts.
     pub seed: u64,
+    /// Whether intervals are computed; without them a fit takes a fraction of the time.
+    pub intervals: bool,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { free: None, bounds: BTreeMap::new(), starts: 8, seed: 1 }
+        Self { free: None, bounds: BTreeMap::new(), starts: 8, seed: 1, intervals: true }
     }
 }
 

@@ -15,11 +15,8 @@ use super::words;
 /// A difference of BIC above which the evidence is very strong (`kass_1995`).
 const VERY_STRONG: f64 = 10.0;
 
-/// The simplest fit that follows its curve, with what all leave in [`Fit::tried`].
-///
-/// # Errors
-/// If there is no fit at all, the first error.
-pub fn simplest<E: ToString>(mut fits: Vec<(String, Result<Fit, E>)>) -> Result<Fit, E> {
+/// The place of the simplest fit that follows its curve, and what each model leaves, the one that is taken first.
+pub fn simplest<E: ToString>(fits: &[(String, Result<Fit, E>)]) -> (usize, Vec<TriedModel>) {
     let found: Vec<&Fit> = fits.iter().filter_map(|(_, fit)| fit.as_ref().ok()).collect();
     let common = Common::of(&found);
     let left = |fit: &Result<Fit, E>| fit.as_ref().ok().map(|fit| common.left(fit));
@@ -52,14 +49,19 @@ pub fn simplest<E: ToString>(mut fits: Vec<(String, Result<Fit, E>)>) -> Result<
         }
     }
     tried[taken].taken = true;
-    let (_, fit) = fits.swap_remove(taken);
     let bic = |row: &TriedModel| row.left.as_ref().map_or(f64::INFINITY, |left| left.bic);
     tried.sort_by(|a, b| b.taken.cmp(&a.taken).then(bic(a).total_cmp(&bic(b))));
-    fit.map(|mut fit| {
-        fit.tried = tried;
-        fit.verdicts.splice(0..0, words::not_told_apart(&fit));
-        fit
-    })
+    (taken, tried)
+}
+
+impl Fit {
+    /// The same fit, taken among models that were tried ([`simplest`]).
+    #[must_use]
+    pub fn among(mut self, tried: Vec<TriedModel>) -> Self {
+        self.tried = tried;
+        self.verdicts.splice(0..0, words::not_told_apart(&self));
+        self
+    }
 }
 
 /// The frames that every fit used, and their noise.

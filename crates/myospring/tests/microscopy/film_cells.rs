@@ -51,7 +51,7 @@ fn followed(
 }
 
 /// The cell of a film whose middle is nearest to a place.
-fn at<'a>(found: &'a TrackedCells, place: [f64; 2]) -> &'a FilmCell {
+fn at(found: &TrackedCells, place: [f64; 2]) -> &FilmCell {
     let away = |cell: &&FilmCell| {
         let tracked = cell.found.as_ref().ok();
         let [low, high] = tracked.map_or([[1e9; 2]; 2], |it| it.followed.shaped.outline.bounds());

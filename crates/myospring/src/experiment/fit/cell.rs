@@ -15,6 +15,8 @@ use crate::simulation::Simulation;
 use crate::study::Threads;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+/// Starts of each model while several are tried; the one that is taken has all that were asked for.
+const STARTS: usize = 4;
 /// Steps of the progress of all fits.
 const STEPS: f64 = 1000.0;
 
@@ -175,26 +177,40 @@ impl FittableCell {
         goes_on: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<Option<Fit>, ExperimentError> {
         let count = self.candidates.len();
+        let several = count + self.refused.len() > 1;
+        // All models without intervals, then the one that is taken with them.
+        let works = if several { count + 1 } else { 1 };
+        let fit = |number: usize, candidate: &Candidate, settings: &FitSettings| {
+            let part = |part: f64| goes_on((number as f64 + part) / works as f64);
+            let fitter = candidate.fitter.interrupted_by(interruption.clone());
+            fitter.fit_loaded(curves, settings, &part)
+        };
+        if !several {
+            return Ok(fit(0, self.first(), &self.first().settings)?);
+        }
         let mut fits = Vec::new();
         for (number, (candidate, slow)) in self.candidates.iter().zip(slow).enumerate() {
-            let part = |part: f64| goes_on((number as f64 + part) / count as f64);
-            let Candidate { fitter, settings, .. } = candidate;
-            let fitter = fitter.interrupted_by(interruption.clone());
-            let fit = match slow {
+            let starts = candidate.settings.starts.min(STARTS);
+            let settings = FitSettings { intervals: false, starts, ..candidate.settings.clone() };
+            let found = match slow {
                 Some(why) => Err(ExperimentError::new(why)),
-                None => match fitter.fit_loaded(curves, settings, &part) {
+                None => match fit(number, candidate, &settings) {
                     Ok(None) => return Ok(None),
                     Ok(Some(fit)) => Ok(fit),
                     Err(error) => Err(error.into()),
                 },
             };
-            fits.push((candidate.model().to_owned(), fit));
+            fits.push((candidate.model().to_owned(), found));
         }
         fits.extend(self.refused.iter().map(|(name, error)| (name.clone(), Err(error.clone()))));
-        match <[_; 1]>::try_from(fits) {
-            Ok([(_, only)]) => only.map(Some),
-            Err(several) => fit::simplest(several).map(Some),
-        }
+        let (taken, tried) = fit::simplest(&fits);
+        let (_, first) = fits.swap_remove(taken);
+        let first = first?;
+        let whole = match first.own_tension {
+            Some(_) => Some(first),
+            None => fit(count, &self.candidates[taken], &self.candidates[taken].settings)?,
+        };
+        Ok(whole.map(|fit| fit.among(tried)))
     }
 
     /// The run that beats like a fitted cell, and the spacing of its mesh, um.

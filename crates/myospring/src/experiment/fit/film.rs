@@ -63,6 +63,16 @@ impl FitCell {
         }
     }
 
+    /// How the film is followed.
+    pub(super) fn track(&self, path: &Path, settings: &[ChosenSetting]) -> Track {
+        Track {
+            settings: settings.to_vec(),
+            frame_rate: self.table.frame_rate_per_s,
+            refused: self.refused.clone(),
+            ..Track::of(path)
+        }
+    }
+
     pub(super) fn follow(
         &self,
         path: &Path,
@@ -70,12 +80,7 @@ impl FitCell {
         files: &Files,
         observer: &dyn Observer,
     ) -> Result<FollowedFilm, ExperimentError> {
-        let track = Track {
-            settings: settings.to_vec(),
-            frame_rate: self.table.frame_rate_per_s,
-            refused: self.refused.clone(),
-            ..Track::of(path)
-        };
+        let track = self.track(path, settings);
         track.check(files)?;
         let followed = track.follow(files, observer)?;
         let TrackReport { rows, warnings, .. } = TrackReport::of(path, &followed);
