@@ -349,10 +349,13 @@ fn places_whose_standard_deviation_exceeds_half_of_their_tension_are_doubtful_an
     assert!(none.doubts().iter().all(|doubt| *doubt == 1.0));
 }
 
+/// A tension by place, the support, and when each place begins.
+type Kind = (fn([f64; 2]) -> f64, SupportKind, fn([f64; 2]) -> usize);
+
 #[test]
 fn bands_of_all_frames_have_the_true_tension() {
     let bed = SupportKind::ElasticBed { stiffness: 0.5 };
-    let kinds: [(fn([f64; 2]) -> f64, SupportKind, fn([f64; 2]) -> usize); 4] = [
+    let kinds: [Kind; 4] = [
         (even, bed, together),
         (weak_half, FREE, together),
         (passive_nucleus, bed, together),
