@@ -1,6 +1,7 @@
 //! `report.html` of a fit: the page of a run, with the fitted cell, beside the curve that it was fitted to.
 
 use super::outcome::{Fits, Shared};
+use super::shapes::Shapes;
 use super::{tables, words};
 use crate::analysis::summary::Summary;
 use crate::cell::CellModel;
@@ -60,6 +61,7 @@ pub(super) fn html(
         let (times_ms, stimuli_ms) = (moved(drawn.times_ms), moved(drawn.stimuli_ms));
         charts.insert(0, Chart::of_tension(&DrawnTension { times_ms, stimuli_ms, ..drawn }));
     }
+    charts.extend(fits.shapes.iter().map(Shapes::chart));
     let mut sections =
         vec![numbers(fit, model), runs.beat(Field::default(), charts), certainty(fit, &fits.notes)];
     sections.extend(models(fit));

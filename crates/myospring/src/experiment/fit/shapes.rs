@@ -8,8 +8,10 @@ use crate::fit::Fit;
 use crate::integrate::quasi_static::Tolerance;
 use crate::output::field::{Field, Fields};
 use crate::output::figure::{self, Figure, FigureError, Map, Theme};
+use crate::output::page::{Chart, Series, Tone};
+use crate::output::table::{Column, Table};
 use crate::recording::Frame;
-use crate::tension_map::{ObservedPeak, PeakShapes};
+use crate::tension_map::{FrameDistance, ObservedPeak, PeakShapes};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -22,6 +24,10 @@ pub struct Shapes {
     pub peak: PeakShapes,
     /// Strain along the fibre at each point, %: measured, fitted.
     strains: [Vec<f64>; 2],
+    /// Both in each frame of the film that the run of the fitted cell reaches.
+    pub distances: Vec<FrameDistance>,
+    /// Time of the film when the run begins, ms.
+    start_ms: f64,
 }
 
 /// Their entry in `fit.json`.
@@ -34,6 +40,11 @@ pub(super) struct Record<'a> {
     measured_fibre_strain_mean_pct: f64,
     fitted_fibre_strain_mean_pct: f64,
     fibre_strain_difference_root_mean_square_pct: f64,
+    /// Over all frames that the run reaches: the distance, how far the cell moves, and the one in parts of the other.
+    film_frames: usize,
+    film_distance_root_mean_square_um: f64,
+    film_movement_root_mean_square_um: f64,
+    film_distance_pct_of_movement: f64,
 }
 
 impl Shapes {
@@ -55,11 +66,16 @@ impl Shapes {
             Fields::new(mesh, &followed.fibres.directions, None).map_err(ExperimentError::new)?;
         let strains =
             [&peak.measured, &peak.simulated].map(|it| fields.on_nodes(Field::FibreStrain, it));
-        Ok(Some(Self { frames: seen.frames, followed, peak, strains }))
+        let first = |times: &[f64]| times.first().copied().unwrap_or_default();
+        let stimulus = fit.curves.first().map_or(0.0, |curve| first(&curve.stimuli_ms));
+        let start_ms = stimulus - first(&outcome.stimulus_times_ms);
+        let distances = FrameDistance::all(&followed.motion, &outcome.recording.frames, start_ms);
+        Ok(Some(Self { frames: seen.frames, followed, peak, strains, distances, start_ms }))
     }
 
     pub(super) fn record(&self) -> Record<'_> {
         let Self { peak, strains: [measured, fitted], .. } = self;
+        let [distance, movement] = self.over_the_film();
         let apart = |node: usize| (measured[node] - fitted[node]).powi(2);
         Record {
             frames: &self.frames,
@@ -68,6 +84,57 @@ impl Shapes {
             measured_fibre_strain_mean_pct: peak.mean(|node| measured[node]),
             fitted_fibre_strain_mean_pct: peak.mean(|node| fitted[node]),
             fibre_strain_difference_root_mean_square_pct: peak.mean(apart).sqrt(),
+            film_frames: self.distances.len(),
+            film_distance_root_mean_square_um: distance,
+            film_movement_root_mean_square_um: movement,
+            film_distance_pct_of_movement: 100.0 * distance / movement,
+        }
+    }
+
+    /// Root mean square over the frames of the distance and of the movement, um.
+    fn over_the_film(&self) -> [f64; 2] {
+        let mean = |of: fn(&FrameDistance) -> f64| {
+            let sum: f64 = self.distances.iter().map(|frame| of(frame).powi(2)).sum();
+            (sum / self.distances.len() as f64).sqrt()
+        };
+        [mean(|frame| frame.distance_um), mean(|frame| frame.movement_um)]
+    }
+
+    /// A row for each frame: how far the fitted cell is from that of the film, and how far that one has moved.
+    fn table(&self) -> Table {
+        let moved = self.distances.iter().map(|frame| frame.movement_um).fold(0.0, f64::max);
+        let column = |name: &str, of: &dyn Fn(&FrameDistance) -> f64| Column::Number {
+            name: name.to_owned(),
+            values: self.distances.iter().map(|frame| Some(of(frame))).collect(),
+        };
+        let columns = vec![
+            column("frame", &|frame| frame.frame as f64),
+            column("t_ms", &|frame| frame.t_ms),
+            column("distance_um", &|frame| frame.distance_um),
+            column("movement_um", &|frame| frame.movement_um),
+            column("distance_pct_of_largest_movement", &|frame| 100.0 * frame.distance_um / moved),
+        ];
+        Table { columns }
+    }
+
+    /// The distance and the movement over the run of the fitted cell.
+    pub(super) fn chart(&self) -> Chart {
+        let series = |label: &str, tone, of: &dyn Fn(&FrameDistance) -> f64| Series {
+            label: label.to_owned(),
+            tone,
+            dotted: false,
+            times_ms: self.distances.iter().map(|frame| frame.t_ms - self.start_ms).collect(),
+            values: self.distances.iter().map(of).collect(),
+        };
+        Chart {
+            name: "The film's cell".to_owned(),
+            unit: "um".to_owned(),
+            note: "solid: how far its points are from those of the fitted cell; dashed: how far they have moved".to_owned(),
+            series: vec![
+                series("distance", Tone::Run(0), &|frame| frame.distance_um),
+                series("movement", Tone::Run(1), &|frame| frame.movement_um),
+            ],
+            ..Chart::default()
         }
     }
 
@@ -76,11 +143,13 @@ impl Shapes {
         let record = self.record();
         format!(
             "shapes at the peak: the fitted cell's points are {:.2} um (root mean square) from the measured ones, {:.2} um at \
-             most; strain along the fibres {:.2} % measured, {:.2} % fitted",
+             most; strain along the fibres {:.2} % measured, {:.2} % fitted; over the film {:.2} um, {:.0} % of the movement",
             record.distance_root_mean_square_um,
             record.distance_largest_um,
             record.measured_fibre_strain_mean_pct,
             record.fitted_fibre_strain_mean_pct,
+            record.film_distance_root_mean_square_um,
+            record.film_distance_pct_of_movement,
         )
     }
 
@@ -114,6 +183,7 @@ impl Shapes {
         folder: &Folder,
         observer: &dyn Observer,
     ) -> Result<(), ExperimentError> {
+        folder.write("distances.csv", self.table().to_csv()?)?;
         let draw = || self.figure();
         folder.figures(Theme::Light, &[("shapes", &draw)], observer)
     }
