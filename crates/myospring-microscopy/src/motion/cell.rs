@@ -55,7 +55,7 @@ pub struct CellMotion {
     /// Numbers in the film of the frames that were followed, ascending. All lists by frame below
     /// are in this order.
     pub frames: Vec<usize>,
-    /// Numbers of the frames that repeat the one before ([`Film::repeats`]); they were not
+    /// Numbers of the frames that repeat the one before ([`Film::repeats`](crate::film::Film::repeats)); they were not
     /// followed.
     pub repeated: Vec<usize>,
     /// Whether `goes_on` stopped it before all frames were done.

@@ -69,7 +69,7 @@ struct ProfileData<'a> {
 /// The data of a page as JSON, for a script that draws it as `report.html` does.
 ///
 /// # Errors
-/// Those of [`html`](super::html).
+/// Those of [`html`](fn@super::html).
 pub fn data(page: &Page<'_>) -> Result<String, PageError> {
     let mut charts = Vec::new();
     page.sections.iter().for_each(|section| charts_in(&section.parts, &mut charts));
