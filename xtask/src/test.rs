@@ -6,7 +6,6 @@ mod tally;
 
 use crate::python::{self, Python};
 use crate::tools::{cargo, program, root, say, step, temporary};
-use crate::web;
 use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::PathBuf;
@@ -61,38 +60,6 @@ impl Checks {
         // Tests ask for `testing` of the core, other crates for more of what it depends on.
         self.step("the core alone", cargo(["check", "-p", "myospring-core", "--locked"]))?;
         self.web()
-    }
-
-    /// The page with the engine inside, and its numbers beside the program's.
-    fn web(&mut self) -> Result<(), String> {
-        let names = ["the page: its engine", "the page: in Chromium"];
-        if let Err(why) = web::toolchain().and_then(|()| page::installed()) {
-            for name in names {
-                self.skip(name, &why);
-            }
-            return Ok(());
-        }
-        // Without the optimisation across crates of what is shipped, which takes minutes.
-        let (engine, page) = web::build("release").inspect_err(|_| self.failed += 1)?;
-        let test = |file: &str| {
-            let mut command = Command::new("node");
-            command.args(["--test", file]).current_dir(page::folder());
-            command.env("MYOSPRING", program("debug", "myospring"));
-            command.env("ENGINE", &engine).env("PAGE", &page);
-            command
-        };
-        self.step(names[0], test("test/engine.test.js"))?;
-        match page::chromium() {
-            Ok(path) => {
-                let mut command = test("test/web.test.js");
-                command.envs(path.map(|path| ("CHROMIUM", path)));
-                self.step(names[1], command)
-            }
-            Err(why) => {
-                self.skip(names[1], &why);
-                Ok(())
-            }
-        }
     }
 
     /// Licences and sources of all dependencies, and advisories against them, without asking the network.

@@ -2,6 +2,7 @@
 
 use super::Checks;
 use crate::tools::{program, root, say};
+use crate::web;
 use std::env;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -11,6 +12,38 @@ const BROWSERS: [&str; 4] =
     ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
 impl Checks {
+    /// The page with the engine inside, and its numbers beside the program's.
+    pub(super) fn web(&mut self) -> Result<(), String> {
+        let names = ["the page: its engine", "the page: in Chromium"];
+        if let Err(why) = web::toolchain().and_then(|()| installed()) {
+            for name in names {
+                self.skip(name, &why);
+            }
+            return Ok(());
+        }
+        // Without the optimisation across crates of what is shipped, which takes minutes.
+        let (engine, page) = web::build("release").inspect_err(|_| self.failed += 1)?;
+        let test = |file: &str| {
+            let mut command = Command::new("node");
+            command.args(["--test", file]).current_dir(folder());
+            command.env("MYOSPRING", program("debug", "myospring"));
+            command.env("ENGINE", &engine).env("PAGE", &page);
+            command
+        };
+        self.step(names[0], test("test/engine.test.js"))?;
+        match chromium() {
+            Ok(path) => {
+                let mut command = test("test/web.test.js");
+                command.envs(path.map(|path| ("CHROMIUM", path)));
+                self.step(names[1], command)
+            }
+            Err(why) => {
+                self.skip(names[1], &why);
+                Ok(())
+            }
+        }
+    }
+
     /// What a web developer would check, with tools from the npm registry; looks at pages that the program, as the tests
     /// have built it, writes.
     pub(super) fn page(&mut self) -> Result<(), String> {

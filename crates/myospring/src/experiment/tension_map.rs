@@ -200,10 +200,10 @@ impl FilmMap {
         observer: &dyn Observer,
     ) -> Result<(), ExperimentError> {
         folder.write("tension_map.csv", self.table().to_csv()?)?;
-        folder.write("tension_frames.csv", self.frames_table().to_csv()?)?;
         // The grid is written only if the map is known.
         if self.map.is_known() {
             folder.write("tension_map.vtu", self.grid()?)?;
+            folder.write("tension_frames.csv", self.frames_table().to_csv()?)?;
             folder.write("tension_frames.npz", self.arrays()?)?;
         }
         let draw = || self.figure();
