@@ -47,7 +47,7 @@ GIVEN = {"pixel_size_um": 0.25, "frame_rate_per_s": 40, "spacing_um": 1.25}
 def found(film) -> myospring.Fit:
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
-        fit = myospring.fit(film=film, starts=1, **GIVEN)
+        fit = myospring.fit(film=film, starts=1, model="coelho_2021", **GIVEN)
     assert any("proportional to the assumed stiffness" in str(one.message) for one in said)
     return fit
 
@@ -70,7 +70,7 @@ def test_a_film_of_an_array_is_fitted_as_its_files_are(found, film):
     frames = np.array([np.asarray(Image.open(path)) for path in sorted(Path(film).iterdir())])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        fit = myospring.fit(film=frames, starts=1, **GIVEN)
+        fit = myospring.fit(film=frames, starts=1, model="coelho_2021", **GIVEN)
     assert fit.parameters["tension_over_stiffness"] == found.parameters["tension_over_stiffness"]
     np.testing.assert_array_equal(fit.tension_map.tension_kpa, found.tension_map.tension_kpa)
     with pytest.raises(ValueError, match=r"give \(frames, rows, columns\)"):

@@ -115,7 +115,7 @@ def test_a_fit_is_numbers_a_table_and_a_figure_and_can_be_pickled(small, curves)
 def test_a_model_that_does_not_fit_says_so_before_its_numbers(small):
     times = np.arange(160) * 4.0
     wave = np.where((times > 120) & (times < 360), 90.0, 100.0) + np.random.default_rng(2).normal(0, 0.01, 160)
-    found = myospring.fit((times, wave), small, stimulus_times_ms=[100.0], starts=2)
+    found = myospring.fit((times, wave), small, stimulus_times_ms=[100.0], starts=2, model="coelho_2021")
     assert found.verdict == "does-not-fit" and found.curves[0].unexplained > 0.02
     assert all(one.interval == (None, None) and one.verdict != "determined" for one in found.parameters.values())
     assert "does-not-fit" in repr(found) and "..." not in repr(found)

@@ -546,7 +546,8 @@ def asked_and_given(
     settings.setdefault("integrator", "quasi-static")
     if held:
         settings["parameters"] = {**(settings.get("parameters") or {}), **held}
-    return asked, given_of_beat(function, settings)
+    # A model that is named is meant, also if it is the default of a beat.
+    return asked, given_of_beat(function, settings, override=True)
 
 
 def fit(

@@ -32,6 +32,7 @@ __all__ = [
     "beat_pictures",
     "compare",
     "track",
+    "track_all",
     "presets",
     "preset_cell",
     "simulate_preset",

@@ -317,7 +317,7 @@ class FilmCells(Sequence[Motion]):
 
 
 @overload
-def track(  # type: ignore[overload-overlap]
+def track(
     film: str | PathLike[str] | ArrayLike, *, cell: Literal["all"], **given: Any
 ) -> FilmCells: ...
 
@@ -328,7 +328,7 @@ def track(
 ) -> Motion: ...
 
 
-def track(
+def track(  # type: ignore[misc]
     film: str | PathLike[str] | ArrayLike,
     *,
     pixel_size_um: float | None = None,

@@ -68,6 +68,8 @@ pub(super) fn html(
     sections.extend(figures(fits));
     sections.extend(runs.record());
     let quality = match fit.verdict {
+        // No model follows the curve.
+        _ if fit.own_tension.is_some() && !fit.tried.is_empty() => Quality::Fair,
         FitVerdict::Fits => Quality::Good,
         FitVerdict::FitsNearly => Quality::Fair,
         FitVerdict::DoesNotFit => Quality::Poor,
