@@ -19,7 +19,8 @@ from myospring._beat import Beat, SimulationError
 from myospring._cell import Cell
 from myospring._compare import Comparison, compare
 from myospring._errors import MyospringWarning, UnknownNameError
-from myospring._fit import Estimate, Fit, FittedCurve, OwnTension, TriedModel, fit
+from myospring._fit import Fit, fit
+from myospring._fit_answer import Estimate, FittedCurve, OwnTension, TriedModel
 from myospring._fit_many import Fits, fit_many
 from myospring._functions import action_potential, simulate
 from myospring._lists import METRICS, Metric, Parameter, models, parameters
