@@ -35,7 +35,7 @@ impl About {
         };
         // Without tension, or with one from a table, a model beats nothing that a slider could change.
         let beats = |model: &&std::sync::Arc<dyn cell::CellModel>| {
-            model.tension_kind() != cell::TensionKind::None && model.name() != "given_tension"
+            model.tension_kind() != cell::TensionKind::None && model.given_peak().is_none()
         };
         Self {
             version: env!("CARGO_PKG_VERSION"),

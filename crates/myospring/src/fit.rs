@@ -48,6 +48,7 @@ mod observed;
 mod own_tension;
 mod problem;
 mod repeat;
+mod reported;
 mod settings;
 mod simplest;
 mod slopes;
