@@ -9,7 +9,8 @@ const TARGET: &str = "wasm32-unknown-unknown";
 /// Builds the engine and the page around it, `target/web/myospring.html`, and says how large it is.
 pub(crate) fn run() -> Result<(), String> {
     toolchain()?;
-    let (_, page) = build("dist")?;
+    let around = cargo(["run", "--quiet", "-p", "myospring-web", "--locked", "--"]);
+    let (_, page) = build("dist", around)?;
     let size = std::fs::metadata(&page).map_or(0, |file| file.len());
     say(&format!("{}: {:.2} MB\n", page.display(), size as f64 / 1e6));
     Ok(())
@@ -36,8 +37,8 @@ fn is_there() -> bool {
         .is_ok_and(|output| PathBuf::from(String::from_utf8_lossy(&output.stdout).trim()).is_dir())
 }
 
-/// Builds the engine by a profile, and the page around it; gives where they are.
-pub(crate) fn build(profile: &str) -> Result<(PathBuf, PathBuf), String> {
+/// Builds the engine by a profile, and by the program `around` the page around it; gives where they are.
+pub(crate) fn build(profile: &str, mut around: Command) -> Result<(PathBuf, PathBuf), String> {
     let mut command = cargo(["build", "-p", "myospring-web", "--lib", "--locked"]);
     command.args(["--profile", profile, "--target", TARGET]);
     step("the engine", command)?;
@@ -45,7 +46,6 @@ pub(crate) fn build(profile: &str) -> Result<(PathBuf, PathBuf), String> {
     let folder = target().join("web");
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let page = folder.join("myospring.html");
-    let mut around = cargo(["run", "--quiet", "-p", "myospring-web", "--locked", "--"]);
     around.arg(&engine).arg(&page);
     step("the page", around)?;
     Ok((engine, page))

@@ -28,6 +28,7 @@ use std::sync::atomic::AtomicU64;
 
 /// The table for people and for programs.
 const CSV: &str = "cells.csv";
+#[cfg(feature = "parquet")]
 const PARQUET: &str = "cells.parquet";
 
 /// Simulates the cells of many pictures.
@@ -264,6 +265,7 @@ fn write_table(
     write: impl Fn(&str, &[u8]) -> Result<(), Cause>,
 ) -> Result<(), Cause> {
     let table = CellRow::table(rows);
-    write(CSV, &table.clone().for_people().to_csv()?)?;
-    write(PARQUET, &table.to_parquet()?)
+    #[cfg(feature = "parquet")]
+    write(PARQUET, &table.to_parquet()?)?;
+    write(CSV, &table.for_people().to_csv()?)
 }

@@ -7,7 +7,9 @@ use crate::experiment::{ExperimentError, Inputs};
 use crate::output::figure::Figure;
 use crate::output::files::{FileError, Manifest};
 use crate::output::json;
-use crate::output::table::{write_csv, write_parquet};
+use crate::output::table::write_csv;
+#[cfg(feature = "parquet")]
+use crate::output::table::write_parquet;
 use crate::study::parameters::{Answer, Common, ParameterStudy, Sensitivity, TRACES};
 use std::fs::File;
 use std::io;
@@ -58,6 +60,7 @@ pub(super) fn write<'a>(
     manifest.write_with(TABLE, |file| {
         write_csv(file, answer.pieces()).map_err(ExperimentError::from)
     })?;
+    #[cfg(feature = "parquet")]
     manifest.write_with("members.parquet", |file| {
         write_parquet(file, answer.pieces()).map_err(ExperimentError::new)
     })?;
