@@ -28,10 +28,10 @@ pub fn headline(fit: &Fit) -> String {
             .to_owned(),
         (None, verdict) if models == 0 => format!("The model {}.", verdict.words()),
         (None, FitVerdict::DoesNotFit) => {
-            format!("No cell model here follows this curve; {} leaves least of it.", fit.model)
+            format!("No cell model here follows this curve; {} comes closest.", fit.model)
         }
         (None, verdict) => {
-            format!("{} {}. Of the {models} models that were tried it leaves least.", fit.model, verdict.words())
+            format!("{} {}. Of the {models} models that were tried it comes closest.", fit.model, verdict.words())
         }
     }
 }
