@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
+/// The largest page that is shipped, bytes.
+const LARGEST: u64 = 4_000_000;
 
 /// Builds the engine and the page around it, `target/web/myospring.html`, and says how large it is.
 pub(crate) fn run() -> Result<(), String> {
@@ -13,6 +15,12 @@ pub(crate) fn run() -> Result<(), String> {
     let (_, page) = build("dist", around)?;
     let size = std::fs::metadata(&page).map_or(0, |file| file.len());
     say(&format!("{}: {:.2} MB\n", page.display(), size as f64 / 1e6));
+    if size > LARGEST {
+        let most = LARGEST as f64 / 1e6;
+        return Err(format!(
+            "the page is larger than {most} MB, which is too much to send by mail or open on a phone"
+        ));
+    }
     Ok(())
 }
 

@@ -5,6 +5,7 @@ import { unitText } from "./numbers.js";
 import { term } from "./tables.js";
 
 /** @import { About, SettingSchema, Setup, Value } from "./requests.js" */
+/** @import { Kept } from "./link.js" */
 
 /**
  * A setting that the form shows, and the part of its bounds that a slider covers: the table's own bounds are far wider. The
@@ -20,6 +21,9 @@ import { term } from "./tables.js";
 
 const support = (/** @type {string[]} */ ...words) => (/** @type {Form} */ form) =>
   words.includes(String(form.value("mechanics.support")));
+
+/** Where the shape comes from, unless it is from a file. @type {Shown} */
+const SHAPE = { key: "shape.built_in", name: "shape", when: (form) => form.isBuiltIn };
 
 /** @type {[string, Shown[]][]} */
 const GROUPS = [
@@ -91,6 +95,28 @@ export class Form extends EventTarget {
     return this.#about.models.find(({ name }) => name === this.value("cell.model"));
   }
 
+  /** Whether the shape is one of the page's own, not from a file. */
+  get isBuiltIn() {
+    return this.#file === null && Object.keys(this.#shape).length === 0;
+  }
+
+  /** What differs from the defaults, without the shape of a file. @returns {Kept} */
+  get kept() {
+    const settings = Object.fromEntries(this.#changed);
+    const parameters = Object.fromEntries(this.#numbers);
+    return { settings, parameters, doses: this.#dose.value === "" ? null : this.#doses.value, dose: this.#dose.value };
+  }
+
+  /** Takes what another page has kept; its doses are offered before. @param {Kept} kept */
+  take({ settings, parameters, doses, dose }) {
+    this.#changed = new Map(Object.entries(settings));
+    this.#numbers = new Map(Object.entries(parameters));
+    this.#doses.value = doses ?? this.#about.doses;
+    this.#build();
+    this.#dose.value = dose;
+    this.#tell();
+  }
+
   /** @returns {Setup} */
   get setup() {
     const settings = { "numerics.integrator": "quasi-static", ...this.#shape, ...Object.fromEntries(this.#changed) };
@@ -103,7 +129,7 @@ export class Form extends EventTarget {
 
   /** What is changed, in words. @param {string} dose */
   #label(dose) {
-    const words = [...this.#changed].map(([key, value]) => (typeof value === "string" && !/\d/.test(value) ? value : `${nameOf(key)} ${value}`));
+    const words = [...this.#changed].map(([key, value]) => (typeof value === "string" && !/\d/.test(value) ? value.replaceAll("_", " ") : `${nameOf(key)} ${value}`));
     words.push(...[...this.#numbers].map(([name, value]) => `${name} ${value}`));
     if (dose !== "") words.push(dose);
     const cell = this.#shape["shape.picture"] ?? this.#shape["shape.outline"] ?? this.#file;
@@ -124,6 +150,7 @@ export class Form extends EventTarget {
    */
   takeShape(file, shape) {
     [this.#file, this.#shape] = [file, shape];
+    if (!this.isBuiltIn) this.#changed.delete(SHAPE.key);
     this.#tell();
   }
 
@@ -162,7 +189,7 @@ export class Form extends EventTarget {
     this.#doses.addEventListener("change", () => this.dispatchEvent(new Event("doses")));
     this.#dose.addEventListener("change", () => this.#tell());
     const reset = make("button", { type: "reset" }, "All as published");
-    this.#place.replaceChildren(fieldset("Cell model", this.#modelRow(), parameters, drug), ...groups, reset);
+    this.#place.replaceChildren(fieldset("Cell", this.#row(SHAPE), this.#modelRow(), parameters, drug), ...groups, reset);
     this.#showParameters();
     for (const [row, when] of this.#rows) row.hidden = !when(this);
   }
@@ -190,7 +217,8 @@ export class Form extends EventTarget {
         const ends = FACTORS.map((factor) => factor * value).sort((a, b) => a - b);
         const [low, high] = value === 0 ? [minimum, Math.min(maximum, 1)] : [Math.max(ends[0], minimum), Math.min(ends[1], maximum)];
         const about = `${meaning}; ${minimum} to ${maximum} ${unitText(unit)}. Source: ${source}`;
-        return slider({ name, about, unit, value, range: [low, high, (high - low) / SLIDER_STEPS], set: (given) => {
+        const now = this.#numbers.get(name) ?? value;
+        return slider({ name, about, unit, value: now, range: [low, high, (high - low) / SLIDER_STEPS], set: (given) => {
           if (given === value) this.#numbers.delete(name);
           else this.#numbers.set(name, given);
           this.#tell();
@@ -208,8 +236,8 @@ export class Form extends EventTarget {
     const value = this.value(key);
     const row =
       range === undefined
-        ? this.#choice(key, name, about, schema?.oneOf ?? [])
-        : slider({ name, about, unit, value: start ?? parseFloat(String(value)), unset: /\d/.test(String(value)) || when !== undefined ? "" : String(value), range, set: (given) => {
+        ? this.#choice(key, name, about, schema?.oneOf ?? schema?.enum?.map((word) => ({ const: word, description: "" })) ?? [])
+        : slider({ name, about, unit, value: this.#changed.has(key) ? parseFloat(String(value)) : (start ?? parseFloat(String(value))), unset: /\d/.test(String(value)) || when !== undefined ? "" : String(value), range, set: (given) => {
             this.#set(key, unit === "" ? given : `${given} ${unit}`);
             this.#tell();
           } });
@@ -229,7 +257,7 @@ export class Form extends EventTarget {
    * @param {{ const: string, description: string }[]} words
    */
   #choice(key, name, about, words) {
-    const options = words.map(({ const: word }) => make("option", { value: word }, word.replaceAll("-", " ")));
+    const options = words.map(({ const: word }) => make("option", { value: word }, word.replaceAll(/[-_]/g, " ")));
     const select = make("select", { "aria-label": name }, ...options);
     const hint = make("p", { class: "hint" });
     const explain = () => (hint.textContent = words.find(({ const: word }) => word === select.value)?.description.replaceAll("`", "") ?? "");

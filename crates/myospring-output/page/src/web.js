@@ -3,6 +3,7 @@
 import { find, make } from "./elements.js";
 import { Engine, Stopped } from "./engine.js";
 import { Form } from "./form.js";
+import { keptIn, linkOf } from "./link.js";
 import { setUpPrinting } from "./paper.js";
 import { showPage } from "./whole.js";
 
@@ -70,7 +71,32 @@ async function start() {
     button.addEventListener("click", () => save(engine, what));
   }
   setUpFiles(engine, form);
-  want(engine, form.setup);
+  find("link", HTMLButtonElement).addEventListener("click", () => link(form));
+  if (!(await taken(engine, form))) want(engine, form.setup);
+  addEventListener("hashchange", () => taken(engine, form));
+}
+
+/** Whether the set-up in the address was taken, which then runs. @param {Engine} engine @param {Form} form */
+async function taken(engine, form) {
+  try {
+    const kept = keptIn(location.hash);
+    // The page wrote it itself.
+    if (kept === null || location.hash === linkOf(form.kept)) return false;
+    if (kept.doses !== null) form.offerDoses((await engine.ask({ ask: "doses", text: kept.doses })).doses ?? []);
+    form.take(kept);
+    return true;
+  } catch (error) {
+    fail({ message: `The link in the address of this page cannot be read: ${/** @type {Error} */ (error).message}.`, advice: "Ask for the link again, or for the run file." });
+    return false;
+  }
+}
+
+/** Puts the set-up into the address, and the address where it can be pasted from. @param {Form} form */
+async function link(form) {
+  location.replace(linkOf(form.kept));
+  const isCopied = await navigator.clipboard.writeText(location.href).then(() => true, () => false);
+  const where = isCopied ? "The link is copied." : "The link is the address of this page.";
+  state.textContent = form.isBuiltIn ? `${where} It holds the set-up.` : `${where} It holds the set-up, not the cell's file.`;
 }
 
 /** Runs a set-up; if others come meanwhile, only the last of them is run. @param {Engine} engine @param {Setup} setup */

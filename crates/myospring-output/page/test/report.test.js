@@ -405,6 +405,8 @@ test("measured curves are drawn with what was read of them, enlarged, sorted and
     const plot = page.locator("#curves .chart").first();
     const seen = () => plot.locator("canvas").evaluate((canvas) => /** @type {HTMLCanvasElement} */ (canvas).toDataURL());
     const whole = await seen();
+    // The mouse reaches only what is on the screen.
+    await plot.scrollIntoViewIfNeeded();
     const box = await plot.locator(".u-over").boundingBox();
     assert.ok(box !== null);
     await page.mouse.move(box.x + 0.3 * box.width, box.y + 20);

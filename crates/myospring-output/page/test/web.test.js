@@ -186,6 +186,33 @@ test("what it saves is whole", async () => {
   });
 });
 
+test("a link holds the set-up, and one that cannot be read is explained", async () => {
+  let link = "";
+  let numbers = "";
+  await opened({}, async (page) => {
+    await slide(page, "peak tension", "PageDown");
+    const before = await runsOf(page);
+    await page.getByRole("combobox", { name: "shape", exact: true }).selectOption("hipsc_derived");
+    await ran(page, before + 1);
+    numbers = (await page.locator(".tiles").textContent()) ?? "";
+    await page.getByRole("button", { name: "Link", exact: true }).click();
+    await page.waitForFunction(() => /holds the set-up/.test(document.getElementById("state")?.textContent ?? ""));
+    link = page.url();
+  });
+  await opened({}, async (page) => {
+    const before = await runsOf(page);
+    await page.evaluate((behind) => location.assign(behind), new URL(link).hash);
+    await ran(page, before + 1);
+    assert.equal(await page.locator(".tiles").textContent(), numbers);
+    assert.equal(await page.getByRole("combobox", { name: "shape", exact: true }).inputValue(), "hipsc_derived");
+    for (const [behind, why] of [["#set-up-1=e30", "missing or changed"], [new URL(link).hash.slice(0, -9), "missing or changed"], ["#set-up-2=e30", "newer version"]]) {
+      await page.evaluate((to) => location.assign(to), behind);
+      await page.waitForFunction((words) => document.getElementById("failure")?.textContent?.includes(words), why);
+    }
+    assert.equal(await page.locator(".tiles").textContent(), numbers);
+  });
+});
+
 test("nothing is too wide for a phone, in light and dark, and axe finds nothing", async () => {
   for (const [name, options] of /** @type {[string, BrowserContextOptions][]} */ ([
     ["wide", {}],
