@@ -122,8 +122,8 @@ fn draw(path: &std::path::Path) {
     };
     let tension = Some([0.0, 45.0]);
     let maps = [
-        one("Where it pulls", &pulled.truth(&mesh), "Active tension (kPa)", tension),
-        one("What its film tells", &map.tensions_kpa, "Active tension (kPa)", tension),
+        one("Where the cell pulls", &pulled.truth(&mesh), "Active tension (kPa)", tension),
+        one("What its film shows", &map.tensions_kpa, "Active tension (kPa)", tension),
         one("How sure that is", &map.deviations_kpa, "Standard deviation (kPa)", None),
     ];
     let outline = trace_mask(&pulled.scene.mask(), Edge::Smooth).unwrap();

@@ -39,6 +39,9 @@ pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
         print::out(&json::for_people(&outcome.numbers())?)?;
     } else {
         print::out(&words::tables(&outcome.curves))?;
+        if !outcome.pairs.is_empty() {
+            print::out(&words::pairs(&outcome.curves, &outcome.pairs))?;
+        }
         print::out(&format!("\nwritten: {}", target.display()))?;
     }
     if !args.output.quiet {

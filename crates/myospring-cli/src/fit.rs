@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::files::FILES;
 use crate::terminal::Terminal;
 use crate::{input, interrupt, print};
-use myospring::experiment::fit::{EndSprings, FitCell};
+use myospring::experiment::fit::{EndSprings, FitCell, RecordedCalcium};
 use myospring::experiment::{Folder, Outcome as _};
 use myospring::fit::FitOptions;
 use myospring::output::json;
@@ -23,7 +23,8 @@ pub(crate) fn fit(args: &FitArgs) -> Result<ExitCode, Failure> {
     input::one_cell(args.settings.all_cells())?;
     let asked = asked(args)?;
     let (terminal, quiet) = (Terminal::new(args.output.quiet), args.output.quiet);
-    args.input.iter().chain(&args.to).for_each(|path| FILES.note(path));
+    let read = args.input.iter().chain(&args.to).chain(&args.recorded_calcium);
+    read.for_each(|path| FILES.note(path));
     if let Some(target) = &args.output.output {
         Folder::check(target, args.output.force, &FILES)?;
     }
@@ -73,16 +74,39 @@ fn asked(args: &FitArgs) -> Result<FitCell, Failure> {
         table: table::options(&args.table, pixel, until)?,
         beats: table::beats(&args.stimuli, None, false)?,
         loaded: args.loaded.iter().map(|text| spring(text)).collect::<Result<_, _>>()?,
+        calcium: RecordedCalcium {
+            path: args.recorded_calcium.clone(),
+            rest_um: concentration("--calcium-rest", args.calcium_rest.as_deref())?,
+            peak_um: concentration("--calcium-peak", args.calcium_peak.as_deref())?,
+        },
         sought: FitOptions {
             free: args.free.clone(),
             fix: args.fix.clone(),
             bounds: args.bounds.iter().map(|text| bounds(text)).collect::<Result<_, _>>()?,
             starts: args.starts.get(),
             seed: args.fit_seed,
+            peak_shortening_pct: args
+                .peak_shortening
+                .as_deref()
+                .map(|text| percent("--peak-shortening", text))
+                .transpose()?,
         },
         threads: None,
         refused: Some(input::refusals(&args.output, name.trim_end_matches(".ome"))),
     })
+}
+
+/// `10 %`, or 10.
+fn percent(option: &str, text: &str) -> Result<f64, Failure> {
+    text.trim().trim_end_matches('%').trim_end().parse().map_err(|_| {
+        Failure::new(format!("{option}: `{text}` is not a number of %"))
+            .advise(format!("write it like {option} \"10 %\""))
+    })
+}
+
+/// `0.1 uM`
+fn concentration(option: &str, text: Option<&str>) -> Result<Option<f64>, Failure> {
+    text.map(|text| quantity(option, text, Dimension::Concentration)).transpose()
 }
 
 /// `100 nN/um=fibres.csv`

@@ -17,6 +17,7 @@ pub mod load;
 mod missing;
 pub mod monotone;
 pub mod order;
+pub mod paired;
 pub mod pulse;
 pub mod rest;
 pub mod rhythm;

@@ -15,9 +15,12 @@
 //! | [`responses`], [`response_map`] | a metric over one parameter, or over two | |
 //! | [`trace_bands`] | curves of many members: median, and bands of 50 % and 90 % of them | |
 //! | [`Tracked`] | a film with the tracked lattice, and its curves | |
+//! | [`FilmFrames`] | frames of a film with the outlines of its cell and of a simulated one | |
 //! | [`maps()`] | a cell coloured by several quantities, side by side: a map, hatched where it is doubtful, and its uncertainty | |
+//! | [`map_series()`] | maps of a cell at several times, with one colour scale | |
 //! | [`no_map()`] | the outline of a cell without a map, and the reason | |
 //! | [`measured()`] | a measured curve with its beats, and one beat with the points at which its metrics were read | |
+//! | [`loops()`] | calcium and motion of the same beats over time, and over each other | |
 //! | [`overlay()`] | the picture with outline, lattice, fibres and sarcomeres | |
 //!
 //! A [`Figure`] has the width of one (85 mm) or two (178 mm) columns of a journal. Its text stays
@@ -39,9 +42,11 @@ mod compared;
 mod drawing;
 pub(crate) mod facets;
 mod film;
+mod film_frames;
 mod fit;
 mod font;
 mod lattice;
+mod loops;
 mod maps;
 mod measured;
 mod members;
@@ -65,16 +70,18 @@ pub use cell::DrawnCell;
 pub use compared::{ComparedRun, Rings, compared};
 pub(crate) use facets::{check_frame, check_mesh};
 pub use film::{BeatFilm, FRAMES_PER_SECOND, Still};
+pub use film_frames::{ComparedFrame, FilmFrames, FilmView};
 pub use fit::{DrawnFit, DrawnTension, LikelihoodProfile, fit, tension};
 pub use lattice::mesh;
-pub use maps::{Map, maps, no_map};
+pub use loops::{DrawnLoops, loops};
+pub use maps::{Map, map_series, maps, no_map};
 pub use measured::{Measured, measured};
 pub(crate) use measured::{around, shown};
 pub use members::{
     Distribution, MemberResponse, Numbers, QUANTILES, ResponseMap, Scatter, TraceBand,
     distributions, response_map, responses, scatter, trace_bands,
 };
-pub use moments::{Shape, key_shapes};
+pub use moments::{Shape, key_shapes, moments};
 pub use overlay::{Contour, Overlay, Sarcomeres, Tick, overlay};
 pub use overview::overview;
 pub use ranking::{Bar, Ranking, rankings};

@@ -11,6 +11,10 @@ use std::path::PathBuf;
 /// A curve: file, times (ms), values.
 type Values<'py> = (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
+/// A loop: number of the beat, times (ms), calcium, motion.
+type Loop<'py> =
+    (usize, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
 /// How beats are found, by name.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -71,6 +75,20 @@ impl Analysis {
             (read.file.clone(), times, values)
         });
         curves.collect()
+    }
+
+    /// Of each pair of curves the loops of its beats.
+    fn loops<'py>(&self, py: Python<'py>) -> Vec<Vec<Loop<'py>>> {
+        let array = |values: &[f64]| PyArray1::from_slice(py, values);
+        let loops = self.outcome.pairs.iter().map(|pair| {
+            let loops = pair.paired.loops.iter();
+            let of = |(beat, one): &(usize, _)| {
+                let myospring::analysis::paired::Loop { times_ms, calcium, motion, .. } = one;
+                (*beat, array(times_ms), array(calcium), array(motion))
+            };
+            loops.map(of).collect()
+        });
+        loops.collect()
     }
 
     #[getter]

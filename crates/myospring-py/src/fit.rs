@@ -2,23 +2,26 @@
 
 use crate::cell::{Cell, REST};
 use crate::experiment::{self, Progress};
-use crate::tension_map::TensionMap;
+use crate::tension_map::{Columns, TensionMap, columns};
 use crate::waiting::interruptible;
 use crate::{beat, errors, settings, words};
+use myospring::analysis::kind::Family;
 use myospring::experiment::fit::{
-    FitCell, Fits, FittableCell, Models, Shapes, between_springs, of_table, seeks_tension,
+    FitCell, Fits, FittableCell, Models, RecordedCalcium, Shapes, between_springs, of_table,
+    seeks_tension,
 };
 use myospring::experiment::{BeatOptions, ExperimentError, Files};
 use myospring::fit::{Fit, FitOptions};
-use myospring::measured::{self, Column, Curve, Kind, ReadError, TableOptions};
+use myospring::measured::{self, Column, Curve, Kind, ReadError, Table, TableOptions};
 use myospring::output::files;
 use myospring::output::json;
 use myospring::settings::{Run, Source};
 use myospring::study::Threads;
-use numpy::PyArray1;
+use myospring::tension_map::FrameShape;
+use numpy::{PyArray1, PyArray3, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -34,6 +37,10 @@ type Given<'py> = (
     Bound<'py, PyArray1<f64>>,
     Vec<f64>,
 );
+
+/// Where calcium was read if it was asked for, its curves, the curve that was recorded together with it, and calcium at rest and at its
+/// peak, uM.
+type Recorded = (Option<PathBuf>, Vec<Measured>, Measured, [Option<f64>; 2]);
 
 /// How a table is read, by name.
 #[derive(FromPyObject)]
@@ -85,15 +92,17 @@ pub(crate) struct Asked {
     bounds: Vec<(String, (f64, f64))>,
     starts: usize,
     seed: u64,
+    peak_shortening_pct: Option<f64>,
     stimulus_times_ms: Option<Vec<f64>>,
 }
 
 impl Asked {
     fn sought(&self) -> FitOptions {
-        let Self { free, fix, bounds, starts, seed, .. } = self;
+        let Self { free, fix, bounds, starts, seed, peak_shortening_pct, .. } = self;
         let bounds = bounds.iter().map(|(name, (low, high))| (name.clone(), [*low, *high]));
         let (free, fix, bounds) = (free.clone(), fix.clone(), bounds.collect());
-        FitOptions { free, fix, bounds, starts: *starts, seed: *seed }
+        let peak_shortening_pct = *peak_shortening_pct;
+        FitOptions { free, fix, bounds, starts: *starts, seed: *seed, peak_shortening_pct }
     }
 
     fn beats(&self) -> BeatOptions {
@@ -106,6 +115,9 @@ impl Asked {
 #[pyclass(frozen, module = "myospring._native")]
 pub(crate) struct Fitter {
     cell: FittableCell,
+    /// What was assumed of recorded calcium.
+    #[pyo3(get)]
+    notes: Vec<String>,
     stop: Arc<AtomicBool>,
 }
 
@@ -118,19 +130,37 @@ pub(crate) fn read_curves(
     reading: Reading,
 ) -> PyResult<(Vec<Given<'_>>, Vec<String>)> {
     let options = reading.options()?;
-    let name = path.display().to_string();
-    let table = interruptible(py, |_interruption| match files::read(&path) {
-        Ok(bytes) => measured::read_bytes(&name, &bytes, &options),
-        Err(cause) => Err(ReadError::Read { path: name.clone(), cause }),
-    })?;
-    let table = table.map_err(|error| errors::of_measured(&error))?;
-    let curve = |curve: Curve| {
-        let [times, values] = [curve.times_ms, curve.values].map(|all| PyArray1::from_vec(py, all));
-        (curve.name, curve.kind.word(), curve.unit, times, values, curve.stimuli_ms)
-    };
+    let table = table(py, &path, &options)?;
     let (taken, notes) = of_table(table, &options);
     let notes = notes.iter().map(|note| words::in_python(note)).collect();
-    Ok((taken.into_iter().map(curve).collect(), notes))
+    Ok((taken.into_iter().map(|curve| given(py, curve)).collect(), notes))
+}
+
+/// The curves of calcium of a table.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+pub(crate) fn read_calcium(
+    py: Python<'_>,
+    path: PathBuf,
+    reading: Reading,
+) -> PyResult<Vec<Given<'_>>> {
+    let table = table(py, &path, &reading.options()?)?;
+    let calcium = table.curves.into_iter().filter(|it| it.kind.family() == Family::Calcium);
+    Ok(calcium.map(|curve| given(py, curve)).collect())
+}
+
+fn table(py: Python<'_>, path: &Path, options: &TableOptions) -> PyResult<Table> {
+    let name = path.display().to_string();
+    let table = interruptible(py, |_interruption| match files::read(path) {
+        Ok(bytes) => measured::read_bytes(&name, &bytes, options),
+        Err(cause) => Err(ReadError::Read { path: name.clone(), cause }),
+    })?;
+    table.map_err(|error| errors::of_measured(&error))
+}
+
+fn given(py: Python<'_>, curve: Curve) -> Given<'_> {
+    let [times, values] = [curve.times_ms, curve.values].map(|all| PyArray1::from_vec(py, all));
+    (curve.name, curve.kind.word(), curve.unit, times, values, curve.stimuli_ms)
 }
 
 #[pymethods]
@@ -144,6 +174,7 @@ impl Fitter {
         given: &Bound<'_, PyDict>,
         asked: Asked,
         loaded: Vec<(f64, Measured)>,
+        calcium: Option<Recorded>,
     ) -> PyResult<Self> {
         const MODEL: &str = "cell.model";
         let mut file = cell.0.file.clone();
@@ -172,8 +203,18 @@ impl Fitter {
             between_springs(stiffness, &self::curve(curve)?, &beats).map_err(failed)
         };
         let loaded = loaded.into_iter().map(between).collect::<PyResult<_>>()?;
-        let cell = FittableCell::new(run, made, models, &asked.sought(), (beats.clone(), loaded));
-        Ok(Self { cell: cell.map_err(failed)?, stop: Arc::default() })
+        let (mut driving, mut notes) = (None, Vec::new());
+        if let Some((path, recorded, curve, [rest_um, peak_um])) = calcium {
+            let of = RecordedCalcium { path, rest_um, peak_um };
+            let own = recorded.into_iter().map(self::curve).collect::<PyResult<Vec<_>>>()?;
+            let curve = self::curve(curve)?;
+            let curves = [(curve.name.clone(), Ok(curve))];
+            (driving, notes) = of.among(&own, &curves, &beats).map_err(failed)?;
+        }
+        let notes = notes.iter().map(|note| words::in_python(note)).collect();
+        let own = (beats.clone(), loaded, driving);
+        let cell = FittableCell::new(run, made, models, &asked.sought(), own);
+        Ok(Self { cell: cell.map_err(failed)?, notes, stop: Arc::default() })
     }
 
     /// Fits the cell to a curve: the fit (JSON), and the run file that repeats it.
@@ -288,6 +329,23 @@ impl FilmFit {
     #[getter]
     fn shapes(&self) -> Option<String> {
         self.fits.shapes.as_ref().map(Shapes::words)
+    }
+
+    /// Columns of `distances.csv`, an entry for each frame.
+    fn distances<'py>(&self, py: Python<'py>) -> Columns<'py> {
+        self.fits.shapes.iter().flat_map(|shapes| columns(py, shapes.table())).collect()
+    }
+
+    /// Where the masses of the fitted cell are in these frames, um, laid over the film: (frames, nodes, 2).
+    fn laid_over<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let frames: Vec<_> = self.fits.shapes.iter().flat_map(|shapes| &shapes.film).collect();
+        let nodes = frames.first().map_or(0, |frame| frame.positions_um[0].len());
+        let one = |frame: &&FrameShape| {
+            let [x, y] = &frame.positions_um;
+            x.iter().zip(y).flat_map(|(x, y)| [*x, *y]).collect::<Vec<f64>>()
+        };
+        let flat: Vec<f64> = frames.iter().flat_map(one).collect();
+        PyArray1::from_vec(py, flat).reshape([frames.len(), nodes, 2])
     }
 
     /// Writes what `myospring fit` writes; the folder.

@@ -6,8 +6,8 @@ use crate::{errors, settings};
 use myospring::experiment::Files;
 use myospring::experiment::tension_map::{FilmMap, MapTension};
 use myospring::experiment::track::Track;
-use myospring::output::table::Column;
-use numpy::{PyArray1, PyArray2};
+use myospring::output::table::{Column, Table};
+use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -45,6 +45,21 @@ pub(crate) fn tension_map(
     Ok(TensionMap { map, cell, files })
 }
 
+/// Names and values of columns.
+pub(crate) type Columns<'py> = Vec<(String, Bound<'py, PyArray1<f64>>)>;
+
+/// The numbers of a table.
+pub(crate) fn columns(py: Python<'_>, table: Table) -> Columns<'_> {
+    let number = |column| match column {
+        Column::Number { name, values } => {
+            let values = values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+            Some((name, PyArray1::from_vec(py, values)))
+        }
+        Column::Text { .. } => None,
+    };
+    table.columns.into_iter().filter_map(number).collect()
+}
+
 #[pymethods]
 impl TensionMap {
     /// The cell of the film at rest.
@@ -72,15 +87,25 @@ impl TensionMap {
     }
 
     /// Names and values of the columns of `tension_map.csv`, an entry for each triangle.
-    fn columns<'py>(&self, py: Python<'py>) -> Vec<(String, Bound<'py, PyArray1<f64>>)> {
-        let number = |column| match column {
-            Column::Number { name, values } => {
-                let values = values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
-                Some((name, PyArray1::from_vec(py, values)))
-            }
-            Column::Text { .. } => None,
-        };
-        self.map.table().columns.into_iter().filter_map(number).collect()
+    fn columns<'py>(&self, py: Python<'py>) -> Columns<'py> {
+        columns(py, self.map.table())
+    }
+
+    /// Those of `tension_frames.csv`, an entry for each frame.
+    fn frame_columns<'py>(&self, py: Python<'py>) -> Columns<'py> {
+        columns(py, self.map.frames_table())
+    }
+
+    /// Tension of each triangle in each frame, kPa, not a number where it is not known, and its standard deviation:
+    /// (frames, triangles).
+    fn frame_tensions<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray2<f64>>; 2]> {
+        let (film, triangles) = (&self.map.film, self.map.followed.motion.mesh.simplices.len());
+        let frames = 0..film.frames.len();
+        let tensions = frames.clone().flat_map(|frame| self.map.known_tensions_kpa(frame));
+        let deviations = frames.clone().flat_map(|frame| film.deviations_kpa(frame));
+        let shape = [frames.len(), triangles];
+        let tensions = PyArray1::from_vec(py, tensions.collect()).reshape(shape)?;
+        Ok([tensions, PyArray1::from_vec(py, deviations.collect()).reshape(shape)?])
     }
 
     /// Where the map puts the masses at the peak, um: (nodes, 2).

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 /// Options of the program that are no settings: name, argument here, and words that may follow as a value. Those of an
 /// empty argument have no counterpart: what they say is done by arrays.
-const OF_TABLES: [(&str, &str, &[&str]); 30] = [
+const OF_TABLES: [(&str, &str, &[&str]); 34] = [
     ("--columns", "columns", &[]),
     ("--time", "time", &[]),
     ("--kind", "kind", &["contraction"]),
@@ -29,6 +29,10 @@ const OF_TABLES: [(&str, &str, &[&str]); 30] = [
     ("--fix", "fix", &[]),
     ("--bounds", "bounds", &[]),
     ("--loaded", "loaded", &[]),
+    ("--peak-shortening", "peak_shortening_pct", &[]),
+    ("--recorded-calcium", "recorded_calcium", &[]),
+    ("--calcium-rest", "calcium_rest_um", &[]),
+    ("--calcium-peak", "calcium_peak_um", &[]),
     ("--force", "force=True", &[]),
     ("--outputs", "outputs", &["frames", "gif"]),
     ("--scale", "scale", &[]),
@@ -42,12 +46,17 @@ const OF_TABLES: [(&str, &str, &[&str]); 30] = [
 ];
 
 /// What Python says otherwise of the folder of results, and of numbers, which have no unit there.
-const OTHERWISE: [(&str, &str); 5] = [
+const OTHERWISE: [(&str, &str); 7] = [
+    ("`myospring track --cell all`", "`track(..., cell=\"all\")`"),
     (" with --output DIR", ""),
     ("--output DIR names", "choose"),
     ("--output ", ""),
     ("give it with its unit, like --stimulus-period \"1 s\"", "give it in ms"),
     ("--smooth is", "smoothing_ms is"),
+    (
+        "--calcium-rest \"0.1 uM\" --calcium-peak \"0.6 uM\"",
+        "calcium_rest_um=0.1, calcium_peak_um=0.6",
+    ),
 ];
 
 /// A message with the names of Python instead of those of run files and options.

@@ -112,6 +112,26 @@ def test_arrays_are_curves_without_a_file():
         myospring.analyse((t_ms, lengths(t_ms)), stimulus_period_ms=1.0)
 
 
+def test_calcium_and_length_of_the_same_beats_are_paired_as_by_the_program(run, tmp_path):
+    t_ms = np.arange(0, 4000, 10.0)
+    calcium = 0.1 + 0.5 * (120 - lengths(t_ms + 30.0)) / 10
+    rows = [f"{t},{one:.5f},{other:.4f}" for t, one, other in zip(t_ms, calcium, lengths(t_ms))]
+    table = tmp_path / "both.csv"
+    table.write_text("\n".join(["t_ms,Ca_uM,length_um", *rows]) + "\n")
+    found = myospring.analyse(table)
+    run("analyse", table, "--output", "out", cwd=tmp_path)
+    (pair,) = found.pairs
+    assert pair.metrics["delay_of_half_rise"] == pytest.approx(30, abs=1)
+    assert pair.direction == "counter-clockwise" and pair.motion_unit == "%"
+    assert len(pair.beats) == len(pair.loops) == 4 and pair.mean_loop.motion.max() == pytest.approx(8.0, abs=0.3)
+    frame = pair.to_dataframe()
+    assert frame["counts"].all() and frame["delay_of_half_rise"].mean() == pytest.approx(pair.metrics["delay_of_half_rise"])
+    kept = found.save(tmp_path / "kept")
+    for name in ("pairs.csv", "loops.csv", "summary.json"):
+        assert (kept / name).read_bytes() == (tmp_path / "out" / name).read_bytes()
+    assert not myospring.analyse((t_ms, lengths(t_ms))).pairs
+
+
 def test_a_film_of_arrays_is_followed(motion, film, tmp_path):
     assert motion.t_ms == pytest.approx(50 * motion.frames)
     assert motion.contraction_pct.max() == pytest.approx(6, abs=0.6)

@@ -62,8 +62,33 @@ def test_a_fit_of_a_film_has_numbers_its_cell_and_a_map_and_saves_itself(found, 
     saved = found.save(tmp_path / "fit")
     names = {path.name for path in saved.iterdir()}
     assert {"fit.json", "curve.csv", "run.toml", "tension_map.csv", "report.html", "figures", "track"} <= names
+    figures = {path.name for path in (saved / "figures").iterdir()}
+    assert {"overlay.png", "overlay.gif", "tension_over_beat.png"} <= figures
+    rows = np.genfromtxt(saved / "distances.csv", delimiter=",", names=True)
+    np.testing.assert_allclose(rows["distance_um"], found.distances.distance_um, rtol=1e-6)
     with pytest.raises(OSError, match="already holds files"):
         found.save(saved)
+
+
+def test_every_frame_of_a_film_has_its_distance_and_its_tensions_as_arrays(found):
+    far, tension = found.distances, found.tension_map.over_time
+    nodes, triangles = len(found.cell.positions), len(found.cell.triangles)
+    assert far.positions.shape == (len(far.frames), nodes, 2) and far.frames.dtype == np.int64
+    np.testing.assert_allclose(far.t_ms, 25.0 * far.frames)
+    assert np.isfinite(far.distance_um).all() and far.distance_um.max() < 0.4 * far.movement_um.max()
+    # The fitted cell contracts with the film: by about 5 % of 50 um.
+    extent = np.ptp(far.positions[:, :, 0], axis=1)
+    assert 1.5 < extent.max() - extent.min() < 3.5
+    assert list(far.to_dataframe().columns) == ["t_ms", "distance_um", "movement_um"] and "frames" in repr(far)
+    assert tension.tension_kpa.shape == tension.standard_deviation_kpa.shape == (len(tension.frames), triangles)
+    peak = tension.mean_tension_kpa.argmax()
+    assert tension.mean_tension_kpa[peak] == pytest.approx(found.tension_map.mean_tension_kpa, rel=0.1)
+    # A place that is not known has no number.
+    known = np.isfinite(tension.tension_kpa).mean(axis=1)
+    np.testing.assert_allclose(100 * known, tension.known_pct)
+    assert 12 <= tension.frames[peak] < 24 and "triangles" in repr(tension)
+    if xarray is not None:
+        assert tension.to_xarray()["tension_kPa"].dims == ("frame", "triangle")
 
 
 def test_a_film_of_an_array_is_fitted_as_its_files_are(found, film):
@@ -102,7 +127,7 @@ def test_what_is_no_film_or_no_setting_of_one_is_refused(film, tmp_path):
         myospring.tension_map(tmp_path / "none.avi")
     with pytest.raises(ValueError, match="frame_rate_per_s=30"):
         myospring.tension_map(film, pixel_size_um=0.25)
-    with pytest.raises(ValueError, match="leave curve, cell and loaded out"):
+    with pytest.raises(ValueError, match="leave curve, cell, loaded and recorded_calcium out"):
         myospring.fit(film, film=film)
     with pytest.raises(ValueError, match="nothing to fit to"):
         myospring.fit()

@@ -15,6 +15,7 @@ LIBRARY = ("myospring", "myospring-core", "myospring-microscopy", "myospring-out
     [
         ('give the side of one, like --pixel-size "0.27 um" (the', "give the side of one, like pixel_size_um=0.27 (the"),
         ("cell 1 was taken (--cell N or --seed X,Y takes another)", "cell 1 was taken (cell or seed takes another)"),
+        ("`myospring track --cell all` follows each", '`track(..., cell="all")` follows each'),
         ("the frame cuts it; --allow-cut includes it", "the frame cuts it; allow_cut=True includes it"),
         ("refused; --any-size takes it", "refused; any_size=True takes it"),
         ("(--min-area, --max-area)", "(min_area_um2, max_area_um2)"),

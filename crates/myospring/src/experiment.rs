@@ -13,6 +13,7 @@ pub mod compare;
 mod error;
 mod fibres;
 mod files;
+mod film_beat;
 pub mod fit;
 mod folder;
 pub mod input;

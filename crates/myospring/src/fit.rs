@@ -59,7 +59,9 @@ mod unknown;
 mod words;
 mod work;
 
-pub use answer::{Estimate, Fit, FitVerdict, FittedCurve, Left, TriedModel, Verdict};
+pub use answer::{
+    Estimate, Fit, FitVerdict, FittedCurve, Left, RecordedCourse, TriedModel, Verdict,
+};
 pub use choice::of_each_cell;
 pub use error::FitError;
 pub use fitter::{Fitter, Loaded};

@@ -82,7 +82,7 @@ mod words;
 pub use blur::Blur;
 pub use error::TensionMapError;
 pub use film::TensionFilm;
-pub use frame_shapes::FrameDistance;
+pub use frame_shapes::FrameShape;
 pub use map::{EVEN, TensionMap};
 pub use observed_peak::ObservedPeak;
 pub use peak_shapes::PeakShapes;

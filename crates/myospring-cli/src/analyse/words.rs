@@ -2,7 +2,9 @@
 
 use crate::table::{aligned, number};
 use myospring::analysis::curve::State;
-use myospring::experiment::analyse::{AnalysedCurve, KEY, Mean, conventions, means};
+use myospring::experiment::analyse::{
+    AnalysedCurve, KEY, Mean, PairedCurves, conventions, means, means_of,
+};
 
 /// Curves of which every metric is printed, at most.
 const WHOLE: usize = 3;
@@ -11,6 +13,22 @@ const WHOLE: usize = 3;
 pub(crate) fn tables(all: &[AnalysedCurve]) -> String {
     let found = all.iter().filter(|read| read.found.is_ok()).count();
     if found > WHOLE { rows(all) } else { all.iter().map(one).collect::<Vec<_>>().join("\n") }
+}
+
+/// Calcium and motion of the same beats.
+pub(crate) fn pairs(all: &[AnalysedCurve], pairs: &[PairedCurves]) -> String {
+    let one = |pair: &PairedCurves| {
+        let counted = pair.paired.counted();
+        let head = format!(
+            "{}: {} of {} beats in both; loop {}",
+            pair.title(all),
+            counted.len(),
+            pair.paired.beats.len(),
+            pair.paired.direction.words()
+        );
+        format!("\n{head}\n{}", aligned(&lines(means_of(&counted)), &[1, 2, 3]))
+    };
+    pairs.iter().take(WHOLE).map(one).collect()
 }
 
 fn one(read: &AnalysedCurve) -> String {
@@ -37,6 +55,16 @@ fn one(read: &AnalysedCurve) -> String {
         .filter(|state| count(*state) > 0)
         .map(|state| format!("{} {}", count(state), state.words()))
         .collect();
+    format!(
+        "{head}\nbeats: {}\n{}\n{}",
+        states.join(", "),
+        conventions(&analysis.treatment).replace("; ", "\n"),
+        aligned(&lines(means(analysis)), &[1, 2, 3])
+    )
+}
+
+/// A row for each metric, below a head.
+fn lines(means: Vec<Mean>) -> Vec<Vec<String>> {
     let mut lines = vec![vec![
         "metric".to_owned(),
         "mean".to_owned(),
@@ -45,7 +73,7 @@ fn one(read: &AnalysedCurve) -> String {
         "unit".to_owned(),
         String::new(),
     ]];
-    for mean in means(analysis) {
+    for mean in means {
         let show = |value: Option<f64>| value.map(number).unwrap_or_default();
         lines.push(vec![
             mean.name.replace('_', " "),
@@ -56,12 +84,7 @@ fn one(read: &AnalysedCurve) -> String {
             mean.missing.map_or_else(String::new, |why| format!("none: {}", why.words())),
         ]);
     }
-    format!(
-        "{head}\nbeats: {}\n{}\n{}",
-        states.join(", "),
-        conventions(&analysis.treatment).replace("; ", "\n"),
-        aligned(&lines, &[1, 2, 3])
-    )
+    lines
 }
 
 /// A row for each curve.

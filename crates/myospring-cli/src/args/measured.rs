@@ -143,6 +143,7 @@ pub(crate) struct TableArgs {
     myospring fit --to cell.csv --free c_0,x_3,sigma                more unknowns\n  \
     myospring fit --to cell.csv --model land_2017 --fix k_ws        one cell model\n  \
     myospring fit --to cell.csv --model given_tension               the tension that the curve needs\n  \
+    myospring fit --to length.csv --recorded-calcium ca.csv --model land_2017   calcium of the same beats drives it\n  \
     myospring fit film.avi --pixel-size \"0.18 um\" --frame-rate 30   the cell of a film, to its motion\n  \
     myospring fit --to free.csv --loaded \"100 nN/um=fibres.csv\"     both stiffness and tension\n\n\
     Without --model, every model whose fit takes seconds is tried. The one with the lowest BIC is taken among those that \
@@ -169,6 +170,20 @@ pub(crate) struct FitArgs {
     /// ("100 nN/um=fibres.csv"); may be given several times
     #[arg(long, value_name = "STIFFNESS=TRACE", help_heading = FIT)]
     pub(crate) loaded: Vec<String>,
+    /// How far the cell shortens at the peak of its beat ("10 %"), for a curve in arbitrary units (MUSCLEMOTION, pillars),
+    /// which does not say so; tensions depend on it [default: only the timing of such a curve is fitted]
+    #[arg(long, value_name = "PERCENT", help_heading = FIT)]
+    pub(crate) peak_shortening: Option<String>,
+    /// Calcium that was recorded together with the curve, on the same clock (.csv, .xlsx, ...): it drives `land_2017`, beat for beat. A
+    /// column of calcium in the curve's own table is used without this option
+    #[arg(long, value_name = "TRACE", help_heading = FIT)]
+    pub(crate) recorded_calcium: Option<PathBuf>,
+    /// Calcium at rest ("0.1 uM") in a recording that is a ratio or a fluorescence
+    #[arg(long, value_name = "CONCENTRATION", help_heading = FIT, requires = "calcium_peak")]
+    pub(crate) calcium_rest: Option<String>,
+    /// Calcium at the peak of its mean beat ("0.6 uM") in such a recording
+    #[arg(long, value_name = "CONCENTRATION", help_heading = FIT, requires = "calcium_rest")]
+    pub(crate) calcium_peak: Option<String>,
     /// Numbers to fit in addition to delays and the length at rest: `tension_over_stiffness`,
     /// `young_modulus` (with --loaded), or parameters of the cell model [default: those that a
     /// curve determines: `tension_over_stiffness` with `c_0` or `k_ws`]

@@ -66,6 +66,66 @@ fn the_beats_of_a_table_are_measured_drawn_and_printed_with_units() {
     assert_eq!(stderr(&output), "");
 }
 
+/// Calcium and length of a cell whose shortening begins 30 ms later, for the frames that are chosen.
+fn calcium_and_length(folder: &Path, frames: impl Fn(usize) -> bool) {
+    let mut both = "t_ms,Ca_uM,length_um\n".to_owned();
+    let [mut calcium, mut length] = ["t_ms,ratio\n".to_owned(), "t_ms,length_um\n".to_owned()];
+    for (frame, t) in times().enumerate() {
+        let (ca, um) = (0.1 + 0.4 * height(t), 120.0 - 12.0 * height(t - 30.0));
+        writeln!(both, "{t},{ca:.5},{um:.5}").unwrap();
+        writeln!(length, "{t},{um:.5}").unwrap();
+        if frames(frame) {
+            writeln!(calcium, "{t},{ca:.5}").unwrap();
+        }
+    }
+    for (name, text) in [("both.csv", both), ("ratio.csv", calcium), ("length.csv", length)] {
+        fs::write(folder.join(name), text).unwrap();
+    }
+}
+
+#[test]
+fn calcium_and_length_recorded_together_are_paired_in_numbers_tables_and_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    calcium_and_length(folder.path(), |frame| frame % 4 == 0);
+    let output = myospring(folder.path(), &["analyse", "both.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(text.contains("5 of 5 beats in both; loop counter-clockwise"), "{text}");
+    assert!(text.contains("delay of half rise") && text.contains("relative loop area"), "{text}");
+    let results = folder.path().join("results/both_beats");
+    let figures = names(&results.join("figures"));
+    assert!(figures.contains(&"loop_length_um.svg".to_owned()), "{figures:?}");
+    let pairs = fs::read_to_string(results.join("pairs.csv")).unwrap();
+    assert_eq!(pairs.lines().count(), 6);
+    assert!(
+        pairs.contains("calcium_at_half_rise_uM") && pairs.contains("loop_area_uM_pct"),
+        "{pairs}"
+    );
+    let loops = fs::read_to_string(results.join("loops.csv")).unwrap();
+    // The mean beat, and the four beats that the recording shows to their end.
+    assert!(
+        loops.lines().count() > 5 * 200 && loops.contains(",mean,"),
+        "{}",
+        loops.lines().count()
+    );
+    assert!(
+        fs::read_to_string(results.join("report.html")).unwrap().contains("Calcium and motion")
+    );
+
+    // Two files with other frames: nothing is taken for a concentration.
+    let arguments = ["analyse", "ratio.csv", "length.csv", "--json"];
+    let output = myospring(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let warnings = stderr(&output);
+    assert!(warnings.contains("are taken as recorded together, on one clock"), "{warnings}");
+    assert!(warnings.contains("are not concentrations"), "{warnings}");
+    let pair = &json(&output)["pairs"][0];
+    let metrics = pair["metrics"].as_array().unwrap();
+    let mean = |name: &str| metrics.iter().find(|it| it["name"] == name).unwrap()["mean"].as_f64();
+    assert!((mean("delay_of_half_rise").unwrap() - 30.0).abs() < 1.0, "{pair}");
+    assert_eq!(pair["direction"], "counter-clockwise");
+}
+
 #[test]
 fn several_files_and_cells_stimuli_and_musclemotion_are_taken_in_one_command() {
     let folder = tempfile::tempdir().unwrap();

@@ -169,9 +169,10 @@ fn a_film_gives_a_map_of_where_its_cell_pulls() {
     let map = &record["tension_map"];
     assert!(map["mean_tension_kpa"].as_f64().unwrap() > 5.0, "{map}");
     let page = fs::read_to_string(results.join("report.html")).unwrap();
-    // Two figures, each for light and for dark.
+    // Both cells over the film, at their peak, and two of the map, each for light and for dark.
     let figures = page.matches("data:image/svg+xml;base64,").count();
-    assert!(page.contains("Where the cell pulls") && figures == 4, "{figures}");
+    assert!(page.contains("Where the cell pulls, over a beat") && figures == 8, "{figures}");
+    assert!(page.contains("The fitted cell over the film"));
     // The film is of an even contraction, which the fitted cell follows: within some hundredths of its 50 um.
     let shapes = &record["shapes"];
     let number = |key: &str| shapes[key].as_f64().unwrap();
@@ -181,10 +182,48 @@ fn a_film_gives_a_map_of_where_its_cell_pulls() {
     assert!(strains.iter().all(|strain| (-5.5..-4.0).contains(strain)), "{shapes}");
     // The model's beat has another form than this one, and a sharper peak.
     assert!((strains[0] - strains[1]).abs() < 0.6, "{shapes}");
-    assert!(names(&results.join("figures")).contains(&"tension_map.png".to_owned()));
+    for figure in ["tension_map.png", "tension_over_beat.png", "overlay.png", "overlay.gif"] {
+        assert!(names(&results.join("figures")).contains(&figure.to_owned()), "{figure}");
+    }
+    let gif = fs::read(results.join("figures/overlay.gif")).unwrap();
+    assert!(gif.starts_with(b"GIF89a") && gif.len() < 3_000_000, "{}", gif.len());
+    let svg = fs::read_to_string(results.join("figures/overlay.svg")).unwrap();
+    for words in ["at rest, ", "contracting, ", "peak, ", "relaxing, ", "the fitted cell, peak"] {
+        assert!(svg.contains(words), "{words}");
+    }
+    assert!(svg.contains(": the beat of the film"), "the film has one beat");
+    distances_are_those_of(shapes, &results);
     let table = fs::read_to_string(results.join("tension_map.csv")).unwrap();
     let head = "triangle,x_um,y_um,tension_kPa,standard_deviation_kPa,relative_tension";
     assert!(table.starts_with(head) && table.lines().count() > 100);
+}
+
+/// Checks `distances.csv` against `shapes` in `fit.json`.
+fn distances_are_those_of(shapes: &serde_json::Value, results: &Path) {
+    let table = fs::read_to_string(results.join("distances.csv")).unwrap();
+    let head = "frame,t_ms,distance_um,movement_um,distance_pct_of_largest_movement";
+    assert_eq!(table.lines().next(), Some(head));
+    let rows: Vec<Vec<f64>> = (table.lines().skip(1))
+        .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    // 36 frames, 25 ms apart; the run may begin after the first ones.
+    assert_eq!(shapes["film_frames"].as_u64(), Some(rows.len() as u64));
+    assert!((25..=36).contains(&rows.len()), "{}", rows.len());
+    let mean = |column: usize| {
+        (rows.iter().map(|row| row[column].powi(2)).sum::<f64>() / rows.len() as f64).sqrt()
+    };
+    let number = |key: &str| shapes[key].as_f64().unwrap();
+    assert!((mean(2) - number("film_distance_root_mean_square_um")).abs() < 1e-9, "{shapes}");
+    assert!((mean(3) - number("film_movement_root_mean_square_um")).abs() < 1e-9, "{shapes}");
+    let most = rows.iter().map(|row| row[3]).fold(0.0, f64::max);
+    // A strip of 50 um that shortens by 5 %: 2.5 um over the square root of 12.
+    assert!((most - 0.72).abs() < 0.15, "{most}");
+    for row in &rows {
+        assert!(row.iter().all(|value| value.is_finite()), "{row:?}");
+        assert!((row[1] - 25.0 * row[0]).abs() < 1e-9, "{row:?}");
+        assert!((row[4] - 100.0 * row[2] / most).abs() < 1e-9, "{row:?}");
+        assert!(row[2] < 0.4 * most, "the fitted cell follows the film: {row:?}");
+    }
 }
 
 #[test]

@@ -207,7 +207,10 @@ impl<'a> GivenCalcium<'a> {
     /// Steps an interval, such that none is longer than the fastest of the equations allows.
     fn steps(&self, cycle: f64, interval: f64) -> Option<usize> {
         let filaments = self.filaments;
-        let calcium = (0..=200).map(|at| self.calcium.at(cycle * f64::from(at) / 200.0));
+        // Close enough that no peak of a long recording is missed.
+        let count = (cycle / 5.0).clamp(200.0, 1e5) as u32;
+        let calcium =
+            (0..=count).map(|at| self.calcium.at(cycle * f64::from(at) / f64::from(count)));
         let calcium = calcium.fold(0.0, f64::max);
         // Each equation is linear in its own variable; without calcium bound, blocking is as fast as it gets.
         let none = [0.0; STATES];

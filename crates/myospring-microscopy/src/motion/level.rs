@@ -245,10 +245,8 @@ impl Level {
     fn off(&self, warps: &[Option<Warp>]) -> Vec<bool> {
         let is_off = |point: usize| {
             let Some(own) = &warps[point] else { return false };
-            let Some(said) = self.neighbours.hearsay(point, |other| warps[other]) else {
-                return false;
-            };
-            distance(own.shift, said.warp.shift) > self.tolerance(said.spread)
+            let heard = self.neighbours.heard_shift(point, |other| warps[other]);
+            heard.is_some_and(|(shift, spread)| distance(own.shift, shift) > self.tolerance(spread))
         };
         (0..warps.len()).into_par_iter().map(is_off).collect()
     }

@@ -82,23 +82,30 @@ impl Neighbours {
         point: usize,
         know: impl Fn(usize) -> Option<Warp>,
     ) -> Option<Hearsay> {
+        let heard = self.heard(point, know)?;
+        let (shift, spread) = shift_and_spread(&heard);
+        let slope = |a: usize, b: usize| middle(&heard, |said| said.1.gradient[a][b]);
+        let gradient = [[slope(0, 0), slope(0, 1)], [slope(1, 0), slope(1, 1)]];
+        Some(Hearsay { warp: Warp { shift, gradient }, spread })
+    }
+
+    /// The shift of [`Neighbours::hearsay`] and its spread, without the slopes.
+    pub(super) fn heard_shift(
+        &self,
+        point: usize,
+        know: impl Fn(usize) -> Option<Warp>,
+    ) -> Option<([f32; 2], f32)> {
+        Some(shift_and_spread(&self.heard(point, know)?))
+    }
+
+    fn heard(&self, point: usize, know: impl Fn(usize) -> Option<Warp>) -> Option<Vec<Heard>> {
         let heard: Vec<Heard> = (self.near[point].iter())
             .filter_map(|&other| {
                 let warp = know(other as usize)?;
                 Some((self.says(other as usize, &warp, point), warp))
             })
             .collect();
-        if heard.len() < FEWEST {
-            return None;
-        }
-        let middle = |of: &dyn Fn(&Heard) -> f32| median(heard.iter().map(of).collect());
-        let shift = [0, 1].map(|a: usize| middle(&|said| said.0[a]));
-        let slope = |a: usize, b: usize| middle(&|said| said.1.gradient[a][b]);
-        let gradient = [[slope(0, 0), slope(0, 1)], [slope(1, 0), slope(1, 1)]];
-        // For a normal distribution in the plane, the median distance is 1.1774 standard
-        // deviations.
-        let spread = middle(&|said| distance(said.0, shift)) / 1.1774;
-        Some(Hearsay { warp: Warp { shift, gradient }, spread })
+        (heard.len() >= FEWEST).then_some(heard)
     }
 
     /// Median shift of those neighbours of a point whose warp is known.
@@ -209,6 +216,17 @@ impl Neighbours {
             .map(|(&group, known)| known.is_some() && odd[group as usize])
             .collect()
     }
+}
+
+fn middle(heard: &[Heard], of: impl Fn(&Heard) -> f32) -> f32 {
+    median(heard.iter().map(of).collect())
+}
+
+/// Median of the shifts that are heard, and their standard deviation.
+fn shift_and_spread(heard: &[Heard]) -> ([f32; 2], f32) {
+    let shift = [0, 1].map(|a: usize| middle(heard, |said| said.0[a]));
+    // For a normal distribution in the plane, the median distance is 1.1774 standard deviations.
+    (shift, middle(heard, |said| distance(said.0, shift)) / 1.1774)
 }
 
 /// The representative of a point's group.

@@ -78,6 +78,23 @@ pub(super) struct Found {
     pub(super) correlation: f32,
 }
 
+/// A search for the processor's widest vectors. A closure would not do: the call of one is compiled on its own, without them.
+struct Search<'a> {
+    subset: &'a Subset,
+    now: &'a Spline,
+    start: &'a Warp,
+    room: &'a mut Vec<f32>,
+}
+
+impl pulp::WithSimd for Search<'_> {
+    type Output = Option<Found>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Option<Found> {
+        self.subset.search(self.now, self.start, self.room)
+    }
+}
+
 /// The pixels around a point at rest.
 #[derive(Debug, Clone)]
 pub(super) struct Subset {
@@ -193,10 +210,7 @@ impl Subset {
     /// Searches the subset from a start; `start` and the result are shifts of the point itself.
     pub(super) fn find(&self, now: &Spline, start: &Warp, room: &mut Vec<f32>) -> Option<Found> {
         // Uses the widest vectors of the processor; the order of summation is always the same.
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || self.search(now, start, room),
-        )
+        pulp::Arch::new().dispatch(Search { subset: self, now, start, room })
     }
 
     #[inline(always)]

@@ -265,7 +265,8 @@ impl<'a> BeatFilm<'a> {
     }
 }
 
-fn mixed(a: [u8; 3], b: [u8; 3], part: f64) -> [u8; 3] {
+/// A colour between two.
+pub(super) fn mixed(a: [u8; 3], b: [u8; 3], part: f64) -> [u8; 3] {
     let of = |channel: usize| {
         let (a, b) = (f64::from(a[channel]), f64::from(b[channel]));
         (a + part * (b - a)).round() as u8

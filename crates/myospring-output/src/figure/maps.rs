@@ -5,7 +5,7 @@ use super::cell::{DrawnCell, closed, draw_titled_bar};
 use super::font::text_width;
 use super::shapes::{ELONGATED, draw_scale_bar, extremes};
 use super::sheet::{Anchor, Area, Sheet, Stroke, Style};
-use super::theme::{DOUBLE, INK, LABEL, LETTER, MUTED, REST, TICK, decimals, fixed};
+use super::theme::{DOUBLE, INK, LABEL, LETTER, MUTED, REST, TICK, decimals, fixed, mm};
 use super::{Figure, FigureError};
 use crate::field::{ColourScale, Field};
 
@@ -35,6 +35,9 @@ const GAP: f64 = 14.0;
 /// Height of the line above a map, and of its colour bar with labels, px.
 const HEAD: f64 = 19.0;
 const BAR: f64 = 46.0;
+/// Height of the line below a map of several times, px, and of the highest of them.
+const NOTE: f64 = 24.0;
+const TALLEST: f64 = mm(60.0);
 /// Width of a colour bar, px.
 const BAR_WIDTH: f64 = 170.0;
 
@@ -59,17 +62,7 @@ pub fn maps(
     maps: &[Map<'_>],
     least: Option<f64>,
 ) -> Result<Figure, FigureError> {
-    if maps.is_empty() {
-        return Err(FigureError::Nothing { what: "maps" });
-    }
-    let points = cell.mesh().len();
-    for map in maps {
-        let doubts = map.doubts.iter().map(Vec::len);
-        if let Some(found) = doubts.chain([map.values.len()]).find(|found| *found != points) {
-            return Err(FigureError::PictureShape { width: points, height: 1, found });
-        }
-        cell.check(map.positions)?;
-    }
+    checked(cell, maps)?;
     let shapes = maps.iter().map(|map| map.positions).chain([&cell.mesh().points]);
     let [low, high] = extremes(cell, shapes);
     let extent = [0, 1].map(|axis: usize| (high[axis] - low[axis]).max(1e-9));
@@ -134,6 +127,82 @@ pub fn maps(
         sheet.text([end + 5.0, start[1] + 3.5], &words, style);
     }
     Ok(sheet.finish(DOUBLE, if beside { bottom } else { bottom + 14.0 }))
+}
+
+/// Draws maps of one cell at several times, all to one scale and one colour scale with the quantity of the first; two columns
+/// wide (178 mm). Each has a line below it, from `notes`. Places with doubts are hatched, and it is said.
+///
+/// # Errors
+/// As of [`maps()`].
+pub fn map_series(
+    cell: &DrawnCell<'_>,
+    maps: &[Map<'_>],
+    title: &str,
+    notes: &[String],
+) -> Result<Figure, FigureError> {
+    let first = checked(cell, maps)?;
+    let [low, high] = extremes(cell, maps.iter().map(|map| map.positions));
+    let extent = [0, 1].map(|axis: usize| (high[axis] - low[axis]).max(1e-9));
+    let columns = if extent[0] > ELONGATED * extent[1] { 2 } else { 3 };
+    let width = (DOUBLE - 2.0 * MARGIN - (columns - 1) as f64 * GAP) / columns as f64;
+    let scale = (width / extent[0]).min(TALLEST / extent[1]);
+    let height = extent[1] * scale;
+    let middle = [0, 1].map(|axis: usize| f64::midpoint(low[axis], high[axis]));
+    let above = if title.is_empty() { 4.0 } else { 22.0 };
+    let mut sheet = Sheet::default();
+    sheet.text([MARGIN, 13.0], title, Style::new(LABEL));
+    let corner = |index: usize| {
+        let left = MARGIN + (index % columns) as f64 * (width + GAP);
+        [left, above + (index / columns) as f64 * (HEAD + height + NOTE)]
+    };
+    let colours = first.colours();
+    for (index, map) in maps.iter().enumerate() {
+        let [left, top] = corner(index);
+        let letter = char::from(b'A' + (index % 26) as u8).to_string();
+        sheet.text([left, top + 11.0], &letter, Style::new(LETTER).bold());
+        sheet.text([left + 16.0, top + 11.0], &map.name, Style::new(LABEL));
+        let centre = [left + width / 2.0, top + HEAD + height / 2.0];
+        let at = |[x, y]: [f64; 2]| {
+            [centre[0] + (x - middle[0]) * scale, centre[1] - (y - middle[1]) * scale]
+        };
+        let name = format!("map-{index}");
+        cell.fill_with(&mut sheet, name, map.positions, &map.values, &colours, at);
+        if let Some(doubts) = &map.doubts {
+            let name = format!("doubt-{index}");
+            cell.hatch_above(&mut sheet, &name, map.positions, (doubts, DOUBTFUL), at);
+        }
+        sheet.path(closed(&cell.rings(map.positions), at), Stroke::new(INK, 0.7));
+        let note = notes.get(index).map_or("", String::as_str);
+        sheet.text([left, top + HEAD + height + 13.0], note, Style::new(TICK).colour(MUTED));
+    }
+    // The scales are in the place after the last map.
+    let [left, top] = corner(maps.len());
+    let bar = Area { corner: [left + 4.0, top + HEAD + 20.0], size: [BAR_WIDTH, 8.0] };
+    draw_titled_bar(&mut sheet, bar, &colours, &first.quantity);
+    draw_scale_bar(&mut sheet, [left + 4.0, top + HEAD + 58.0], scale, extent);
+    let is_doubtful = |map: &Map<'_>| map.doubts.iter().flatten().any(|doubt| *doubt > DOUBTFUL);
+    if maps.iter().any(is_doubtful) {
+        let words = "hatched: not known";
+        sheet.text([left + 4.0, top + HEAD + 82.0], words, Style::new(TICK).colour(MUTED));
+    }
+    let rows = (maps.len() + 1).div_ceil(columns) as f64;
+    let bottom = above + rows * (HEAD + height + NOTE);
+    let scales = top + HEAD + 90.0;
+    Ok(sheet.finish(DOUBLE, bottom.max(scales)))
+}
+
+/// Checks that there is a map and that all are of the cell's mesh; the first.
+fn checked<'m, 'f>(cell: &DrawnCell<'_>, maps: &'m [Map<'f>]) -> Result<&'m Map<'f>, FigureError> {
+    let first = maps.first().ok_or(FigureError::Nothing { what: "maps" })?;
+    let points = cell.mesh().len();
+    for map in maps {
+        let doubts = map.doubts.iter().map(Vec::len);
+        if let Some(found) = doubts.chain([map.values.len()]).find(|found| *found != points) {
+            return Err(FigureError::PictureShape { width: points, height: 1, found });
+        }
+        cell.check(map.positions)?;
+    }
+    Ok(first)
 }
 
 /// Draws the outline of a cell without a map, with the reason below; two columns wide (178 mm). The

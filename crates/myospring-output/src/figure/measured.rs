@@ -85,7 +85,7 @@ pub(crate) fn shown(analysis: &Analysis) -> Option<&CurveBeat> {
     with_marks().find(|beat| beat.state == State::Whole).or_else(|| with_marks().next())
 }
 
-fn colour(kind: Kind) -> Colour {
+pub(super) fn colour(kind: Kind) -> Colour {
     match kind.family() {
         Family::Contraction => SHORTENING,
         Family::Tension => TENSION,
@@ -94,16 +94,16 @@ fn colour(kind: Kind) -> Colour {
     }
 }
 
-/// Label of the vertical axis.
-fn label(curve: &Measured) -> String {
-    let name = match curve.kind {
+/// Label of the axis of a quantity.
+pub(super) fn label(kind: Kind, unit: &str) -> String {
+    let name = match kind {
         Kind::Unknown => "value",
         Kind::Length => "length",
         kind => kind.name(),
     };
     let mut letters = name.chars();
     let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
-    match curve.unit {
+    match unit {
         "" => format!("{first}{}", letters.as_str()),
         unit => format!(
             "{first}{} ({})",
@@ -132,7 +132,7 @@ fn chart(curve: &Measured, [from, to]: [f64; 2], scale: f64, height: f64) -> Cha
     // Room for the labels of peaks and onsets.
     let room = ROOM / height * (high - low);
     let [low, high] = [low - room, high + room];
-    let y = Axis::upright(&label(curve), [low, high], height);
+    let y = Axis::upright(&label(curve.kind, curve.unit), [low, high], height);
     let raw = within().map(|((time, value), _)| [time * scale, good(time, value)]);
     let read = within().map(|((time, _), read)| [time * scale, *read]);
     let mut curves = Vec::new();

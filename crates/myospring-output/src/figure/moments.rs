@@ -56,21 +56,7 @@ pub fn key_shapes<'a>(recording: &'a Recording, stimulus_times_ms: &[f64]) -> Ve
     let told = told.iter().copied().chain(std::iter::repeat(None));
     let progress: Vec<f64> =
         beat.iter().zip(told).map(|(frame, s)| s.unwrap_or(frame.ta_kpa)).collect();
-    let top = (0..beat.len())
-        .reduce(|best, i| if progress[i] > progress[best] { i } else { best })
-        .unwrap_or(0);
-    let half = f64::midpoint(progress[0], progress[top]);
-    let nearest_half = |range: std::ops::Range<usize>| {
-        range.min_by(|&a, &b| (progress[a] - half).abs().total_cmp(&(progress[b] - half).abs()))
-    };
-    let top_name = if top + 1 == beat.len() { "end of record" } else { "peak" };
-    let mut moments = vec![(0, "at rest")];
-    if top > 0 {
-        moments.extend(nearest_half(1..top).map(|i| (i, "contracting")));
-        moments.push((top, top_name));
-        moments.extend(nearest_half(top + 1..beat.len()).map(|i| (i, "relaxing")));
-    }
-    moments
+    moments(&progress)
         .into_iter()
         .map(|(i, name)| Shape {
             name: name.to_owned(),
@@ -78,6 +64,36 @@ pub fn key_shapes<'a>(recording: &'a Recording, stimulus_times_ms: &[f64]) -> Ve
             shortening_pct: shortening[i],
         })
         .collect()
+}
+
+/// The characteristic places of a beat, in order, by its progress from rest: `at rest` (the first), `contracting` and
+/// `relaxing` (nearest half of the peak before and after it) and `peak`, or `end of record` if that is the last.
+///
+/// # Example
+/// ```
+/// use myospring::output::figure::moments;
+/// let beat = [0.0, 0.1, 0.6, 1.0, 0.9, 0.4, 0.1];
+/// assert_eq!(moments(&beat), [(0, "at rest"), (2, "contracting"), (3, "peak"), (5, "relaxing")]);
+/// ```
+pub fn moments(progress: &[f64]) -> Vec<(usize, &'static str)> {
+    let count = progress.len();
+    let Some(top) =
+        (0..count).reduce(|best, i| if progress[i] > progress[best] { i } else { best })
+    else {
+        return Vec::new();
+    };
+    let half = f64::midpoint(progress[0], progress[top]);
+    let nearest_half = |range: std::ops::Range<usize>| {
+        range.min_by(|&a, &b| (progress[a] - half).abs().total_cmp(&(progress[b] - half).abs()))
+    };
+    let top_name = if top + 1 == count { "end of record" } else { "peak" };
+    let mut moments = vec![(0, "at rest")];
+    if top > 0 {
+        moments.extend(nearest_half(1..top).map(|i| (i, "contracting")));
+        moments.push((top, top_name));
+        moments.extend(nearest_half(top + 1..count).map(|i| (i, "relaxing")));
+    }
+    moments
 }
 
 /// Shortening at a time, interpolated linearly between samples; `None` outside the samples.

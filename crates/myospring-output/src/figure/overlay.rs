@@ -4,14 +4,16 @@ mod histogram;
 mod layout;
 mod panel;
 
+pub(super) use layout::draw_lines_legend;
 pub use layout::overlay;
+pub(super) use panel::{Panel, View};
 
 use super::theme::Colour;
 use myospring_core::mesh::Mesh;
 use myospring_core::mesh::pixel_size::PixelSize;
 
 /// Line of the chosen cell (Okabe-Ito yellow), readable on black and on grey.
-const CHOSEN: Colour = Colour(0xf0e442);
+pub(super) const CHOSEN: Colour = Colour(0xf0e442);
 /// Lines of other cells (Okabe-Ito reddish purple).
 const OTHER: Colour = Colour(0xcc79a7);
 /// Fibres that the picture shows (Okabe-Ito sky blue).

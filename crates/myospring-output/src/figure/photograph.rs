@@ -29,15 +29,36 @@ pub(crate) struct Part<'a> {
     pub(crate) rows: [usize; 2],
 }
 
+impl<'a> Part<'a> {
+    fn lines(&self) -> impl Iterator<Item = &'a [f32]> + Clone {
+        let Self { values, width, columns: [left, right], rows: [top, bottom] } = *self;
+        values.chunks_exact(width).take(bottom).skip(top).map(move |row| &row[left..right])
+    }
+
+    /// The values that become black and white.
+    pub(crate) fn ends(&self) -> [f32; 2] {
+        percentiles(self.lines())
+    }
+}
+
 /// Scales a part of a picture to at most about `wanted` pixels of width.
 pub(crate) fn embedded(part: &Part<'_>, wanted: f64) -> Result<Picture, FigureError> {
-    let Part { values, width, columns: [left, right], rows: [top, bottom] } = *part;
-    let rows = || values.chunks_exact(width).take(bottom).skip(top);
-    let [low, high] = percentiles(rows().map(|row| &row[left..right]));
+    between(part, part.ends(), wanted, u8::MAX)
+}
+
+/// The same with given values for black and white, and about `levels` of grey above black, which makes the file smaller.
+pub(crate) fn between(
+    part: &Part<'_>,
+    [low, high]: [f32; 2],
+    wanted: f64,
+    levels: u8,
+) -> Result<Picture, FigureError> {
+    let Part { columns: [left, right], rows: [top, bottom], .. } = *part;
     let scale = if high > low { 255.0 / (high - low) } else { 0.0 };
     let flat = if high > low { 0.0 } else { 96.0 };
-    let grey: Vec<u8> = rows()
-        .flat_map(|row| &row[left..right])
+    let grey: Vec<u8> = part
+        .lines()
+        .flatten()
         // NaN becomes black.
         .map(|value| ((value - low) * scale + flat).clamp(0.0, 255.0).round() as u8)
         .collect();
@@ -45,7 +66,12 @@ pub(crate) fn embedded(part: &Part<'_>, wanted: f64) -> Result<Picture, FigureEr
     // No more pixels than will be visible.
     let factor = (wanted / from[0] as f64).min(LONGEST / from[0].max(from[1]) as f64);
     let to = from.map(|length| ((length as f64 * factor.min(1.0)).round() as usize).max(1));
-    let grey = if to == from { grey } else { reduced(&grey, from, to) };
+    let mut grey = if to == from { grey } else { reduced(&grey, from, to) };
+    if levels < u8::MAX {
+        let step = f64::from(u8::MAX) / f64::from(levels.max(1));
+        let coarse = |level: &mut u8| *level = ((f64::from(*level) / step).round() * step) as u8;
+        grey.iter_mut().for_each(coarse);
+    }
     let size = to.map(|length| length as u32);
     let png = grey_png(size, &grey)?;
     Ok(Picture { size, grey, png })

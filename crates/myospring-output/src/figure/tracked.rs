@@ -1,7 +1,7 @@
 //! A tracked cell: the film with the lattice overlaid, and a figure with its curves.
 
 use super::chart::{Axis, Chart, Curve, ends};
-use super::film::{Still, gif};
+use super::film::{Still, gif, mixed};
 use super::lattice::{spacing, springs};
 use super::photograph::{Part, embedded};
 use super::raster::painted;
@@ -372,12 +372,6 @@ impl Tracked<'_> {
 /// The palette: greys, the colours of lattice and interpolated points blended with them, and the
 /// colour of the curve.
 fn palette() -> Vec<[u8; 3]> {
-    let mixed = |a: [u8; 3], b: [u8; 3], part: f64| {
-        [0, 1, 2].map(|channel: usize| {
-            let (a, b) = (f64::from(a[channel]), f64::from(b[channel]));
-            (a + part * (b - a)).round() as u8
-        })
-    };
     let greys = |count: u8| {
         (0..count).map(move |k| [(255.0 * f64::from(k) / f64::from(count - 1)) as u8; 3])
     };

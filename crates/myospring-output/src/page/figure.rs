@@ -37,6 +37,26 @@ impl Drawing {
         Ok(Self { words, light: image(Theme::Light)?, dark: image(Theme::Dark)? })
     }
 
+    /// The first of some figures, from the finest on, whose lines are small enough to stay lines; or the last as pixels.
+    ///
+    /// # Errors
+    /// No figure, or one that cannot be drawn.
+    pub fn finest(
+        figures: impl IntoIterator<Item = Result<Figure, FigureError>>,
+        words: &str,
+    ) -> Result<Self, FigureError> {
+        let mut last = None;
+        for figure in figures {
+            let figure = figure?;
+            let fits = figure.to_svg().len() <= LARGEST_SVG;
+            last = Some(figure);
+            if fits {
+                break;
+            }
+        }
+        Self::new(&last.ok_or(FigureError::Nothing { what: "figures" })?, words)
+    }
+
     /// Bytes that it takes on a page.
     pub fn size(&self) -> usize {
         self.light.len() + self.dark.len()

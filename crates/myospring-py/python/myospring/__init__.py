@@ -13,14 +13,14 @@ the program ``myospring``, which comes with this package. What it notes while it
 import logging
 
 from myospring._action_potential import ActionPotential
-from myospring._analyse import AnalysedCurve, Analysis, MeasuredBeat, analyse
+from myospring._analyse import AnalysedCurve, Analysis, BeatLoop, MeasuredBeat, PairedBeat, PairedCurves, analyse
 from myospring._batch import simulate_batch
 from myospring._beat import Beat, SimulationError
 from myospring._cell import Cell
 from myospring._compare import Comparison, compare
 from myospring._errors import MyospringWarning, UnknownNameError
 from myospring._fit import Fit, fit
-from myospring._fit_answer import Estimate, FittedCurve, OwnTension, TriedModel
+from myospring._fit_answer import Estimate, FilmDistances, FittedCurve, OwnTension, TriedModel
 from myospring._fit_many import Fits, fit_many
 from myospring._functions import action_potential, simulate
 from myospring._lists import METRICS, Metric, Parameter, models, parameters
@@ -29,7 +29,7 @@ from myospring._pictures import Batch, batch
 from myospring._presets import presets, simulate_preset
 from myospring._segment import SegmentedCell, Segmentation, segment
 from myospring._study import Index, Morris, Sobol, StudyResult, run_study
-from myospring._tension_map import TensionMap, tension_map
+from myospring._tension_map import TensionFrames, TensionMap, tension_map
 from myospring._track import FilmCells, Motion, track
 from myospring._whole_frame import WholeFrame, whole_frame
 
@@ -43,10 +43,12 @@ __all__ = [
     "Analysis",
     "Batch",
     "Beat",
+    "BeatLoop",
     "Cell",
     "Comparison",
     "Estimate",
     "FilmCells",
+    "FilmDistances",
     "Fit",
     "Fits",
     "FittedCurve",
@@ -57,12 +59,15 @@ __all__ = [
     "Motion",
     "MyospringWarning",
     "OwnTension",
+    "PairedBeat",
+    "PairedCurves",
     "Parameter",
     "Segmentation",
     "SegmentedCell",
     "SimulationError",
     "Sobol",
     "StudyResult",
+    "TensionFrames",
     "TensionMap",
     "TriedModel",
     "UnknownNameError",

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from myospring import _native
 from myospring._errors import UnknownNameError, warn
-from myospring._fit import Curve, Reading
 from myospring._progress import Progress, heard
+from myospring._reading import Curve, Reading
 from myospring._xarray import dataset
 
 # Metrics that a notebook shows, if the curve has them.
@@ -112,6 +112,120 @@ class AnalysedCurve:
         return f"<myospring.AnalysedCurve {self.title}, {self.kind}: {found}>"
 
 
+@dataclass(frozen=True, eq=False)
+class BeatLoop:
+    """Calcium and motion over one beat, or over the mean beat.
+
+    Attributes
+    ----------
+    beat : int or None
+        Number of the beat; None for the mean beat.
+    t_ms : ndarray of shape (points,)
+        Time from the onset of calcium.
+    calcium, motion : ndarray of shape (points,)
+        Calcium in its unit, and motion above rest: shortening in % of the length at rest for lengths; both without drift.
+    """
+
+    beat: int | None
+    t_ms: NDArray[np.float64]
+    calcium: NDArray[np.float64]
+    motion: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PairedBeat:
+    """A beat in a curve of calcium and in one of motion.
+
+    Attributes
+    ----------
+    number : int
+        From 1.
+    calcium_beat, motion_beat : int or None
+        Its number among the beats of each curve; None if that curve does not have it.
+    counts : bool
+        Whether it counts in means: both curves have the whole beat, or it is cut only at the end.
+    metrics : dict of str to float
+        Delays, calcium at half of the motion, area of the loop; NaN where one cannot be read.
+    remark : str
+        Why it does not count, or what is odd.
+    """
+
+    number: int
+    calcium_beat: int | None
+    motion_beat: int | None
+    counts: bool
+    metrics: dict[str, float]
+    remark: str
+
+
+@dataclass(frozen=True, eq=False)
+class PairedCurves:
+    """Calcium and a motion or tension that were recorded together.
+
+    Attributes
+    ----------
+    calcium, motion : str
+        Names of both curves.
+    calcium_unit, motion_unit : str
+        Units of calcium and of the motion in loops.
+    metrics, standard_deviations : dict of str to float
+        Mean and standard deviation of each metric over the beats that count; NaN where none shows it.
+    units, definitions : dict of str to str
+        Units and definitions of the metrics.
+    direction : str
+        ``"counter-clockwise"`` (motion follows calcium), ``"clockwise"``, or ``"unknown"`` where noise is larger than the
+        area of the loops.
+    beats : list of PairedBeat
+        In order.
+    mean_loop : BeatLoop or None
+        The mean beat.
+    loops : list of BeatLoop
+        Loops of the beats that count.
+    remarks : list of str
+        Anything unusual about the pair.
+    """
+
+    calcium: str
+    motion: str
+    calcium_unit: str
+    motion_unit: str
+    metrics: dict[str, float]
+    standard_deviations: dict[str, float]
+    units: dict[str, str]
+    definitions: dict[str, str]
+    direction: str
+    beats: list[PairedBeat]
+    mean_loop: BeatLoop | None
+    loops: list[BeatLoop]
+    remarks: list[str]
+
+    def to_dataframe(self) -> Any:
+        """Returns every beat as a table; needs pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row per beat: ``beat``, ``calcium_beat``, ``motion_beat``, ``counts``, then the metrics.
+        """
+        import pandas
+
+        rows = [
+            {
+                "beat": beat.number,
+                "calcium_beat": beat.calcium_beat,
+                "motion_beat": beat.motion_beat,
+                "counts": beat.counts,
+                **beat.metrics,
+            }
+            for beat in self.beats
+        ]
+        return pandas.DataFrame(rows)
+
+    def __repr__(self) -> str:
+        counted = sum(beat.counts for beat in self.beats)
+        return f"<myospring.PairedCurves {self.calcium} and {self.motion}: {_count(counted, 'beat')}, {self.direction}>"
+
+
 class Analysis(Mapping[str, AnalysedCurve]):
     """Measured curves with their beats, by title; the result of `analyse`.
 
@@ -121,6 +235,8 @@ class Analysis(Mapping[str, AnalysedCurve]):
         Curves in the order of the files.
     notes : list of str
         What was detected and assumed when the files were read.
+    pairs : list of PairedCurves
+        Calcium with each motion or tension that was recorded together with it.
     """
 
     def __init__(self, native: _native.Analysis) -> None:
@@ -128,6 +244,7 @@ class Analysis(Mapping[str, AnalysedCurve]):
         record = json.loads(native.numbers())
         self.notes: list[str] = record["notes"]
         self.curves = [_curve(row, *arrays) for row, arrays in zip(record["curves"], native.curves())]
+        self.pairs = [_pair(row, loops) for row, loops in zip(record.get("pairs", []), native.loops())]
 
     @property
     def warnings(self) -> list[str]:
@@ -176,7 +293,7 @@ class Analysis(Mapping[str, AnalysedCurve]):
 
     def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
         """Writes the files of ``myospring analyse``: ``metrics.csv``, ``summary.csv``, ``summary.json``, figures,
-        report.
+        report; of pairs ``pairs.csv`` and ``loops.csv``.
 
         Parameters
         ----------
@@ -226,6 +343,39 @@ def _amount(curve: AnalysedCurve, name: str) -> str:
 
 def _number(value: float | None) -> float:
     return np.nan if value is None else value
+
+
+def _pair(
+    row: dict[str, Any],
+    loops: list[tuple[int, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]],
+) -> PairedCurves:
+    metrics = row["metrics"]
+    mean = row["mean_loop"]
+    return PairedCurves(
+        calcium=row["calcium"]["curve"],
+        motion=row["motion"]["curve"],
+        calcium_unit=row["calcium"]["unit"],
+        motion_unit=row["motion_unit"],
+        metrics={metric["name"]: _number(metric["mean"]) for metric in metrics},
+        standard_deviations={metric["name"]: _number(metric["standard_deviation"]) for metric in metrics},
+        units={metric["name"]: metric["unit"] for metric in metrics},
+        definitions={metric["name"]: metric["definition"] for metric in metrics},
+        direction=row["direction"],
+        beats=[
+            PairedBeat(
+                number=beat["number"],
+                calcium_beat=beat["calcium_beat"],
+                motion_beat=beat["motion_beat"],
+                counts=beat["counts"],
+                metrics={metric["name"]: _number(metric["value"]) for metric in beat["metrics"]},
+                remark=beat["remark"],
+            )
+            for beat in row["beats"]
+        ],
+        mean_loop=mean and BeatLoop(None, *(np.array(mean[name]) for name in ("times_ms", "calcium", "motion"))),
+        loops=[BeatLoop(*one) for one in loops],
+        remarks=row["remarks"],
+    )
 
 
 def _curve(

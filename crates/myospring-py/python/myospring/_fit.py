@@ -6,11 +6,11 @@ import html
 import json
 import os
 import tempfile
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
+from typing import TYPE_CHECKING, Any, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,23 +19,17 @@ from myospring import _native
 from myospring._beat import Beat, ended
 from myospring._cell import Cell, cell_of
 from myospring._errors import warn
-from myospring._fit_answer import Estimate, FittedCurve, OwnTension, TriedModel
+from myospring._fit_answer import Estimate, FilmDistances, FittedCurve, OwnTension, TriedModel
 from myospring._functions import BEAT_KEYS
-from myospring._given import film_path, floats
+from myospring._given import film_path
 from myospring._progress import Progress, heard
+from myospring._reading import Curve, Read, Reading
 from myospring._settings import PictureSettings, given_of_beat, given_of_picture
 from myospring._tension_map import TensionMap
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-# An exported table, or times in ms and values.
-Curve = Union[str, PathLike[str], tuple[ArrayLike, ArrayLike]]
-# Name, kind, unit, times (ms), values, and times of stimuli (ms) if the file has marks of a pacer.
-Read = tuple[str, str, str, NDArray[np.float64], NDArray[np.float64], list[float]]
-
-# Unit of an array of each kind; a table states its own.
-_UNITS = {"length": "um", "sarcomere-length": "um", "normalised-length": "", "shortening": "%"}
 _VERDICTS = {
     "determined": "determined",
     "at-least": "at least; larger values follow this curve as well",
@@ -64,6 +58,8 @@ class Fit:
         Of a film where its cell pulls.
     shapes : str or None
         Of a film how far the fitted cell is from the measured one at the peak, in a sentence.
+    distances : FilmDistances or None
+        Of a film how far the fitted cell is from the film's in each frame; None if the fitted beat reaches no frame.
     """
 
     def __init__(self, cell: Cell, name: str, text: str, run_file: str, notes: Sequence[str] = ()) -> None:
@@ -73,6 +69,7 @@ class Fit:
         self.notes = list(notes)
         self.tension_map: TensionMap | None = None
         self.shapes: str | None = None
+        self.distances: FilmDistances | None = None
         self._text = text
         self._native: _native.FilmFit | None = None
 
@@ -81,6 +78,15 @@ class Fit:
         made = cls(Cell(native.cell), *native.found, native.notes)
         made.tension_map = None if native.tension_map is None else TensionMap(native.tension_map)
         made.shapes = native.shapes
+        columns = dict(native.distances())
+        if len(columns.get("frame", ())):
+            made.distances = FilmDistances(
+                frames=columns["frame"].astype(np.int64),
+                t_ms=columns["t_ms"],
+                distance_um=columns["distance_um"],
+                movement_um=columns["movement_um"],
+                positions=native.laid_over(),
+            )
         made._native = native
         return made
 
@@ -156,6 +162,12 @@ class Fit:
             )
             for row in self._record["curves"]
         ]
+
+    @property
+    def recorded_calcium(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """Times (ms on the clock of the curve) and calcium (uM) that was recorded with the curve; None without any."""
+        row = self._record.get("calcium")
+        return None if row is None else (np.array(row["times_ms"]), np.array(row["calcium_um"]))
 
     @cached_property
     def own_tension(self) -> OwnTension | None:
@@ -251,14 +263,17 @@ class Fit:
         SimulationError
             A run that stopped before its end.
         """
-        own = self.own_tension
-        if own is None:
+        own, calcium = self.own_tension, self.recorded_calcium
+        if own is not None:
+            key, header, rows = "tension", "t_ms,tension_kPa", np.c_[own.t_ms, own.tension_kpa]
+        elif calcium is not None:
+            key, header, rows = "calcium", "t_ms,calcium_uM", np.c_[calcium[0] - calcium[0][0], calcium[1]]
+        else:
             return ended(Beat(self.cell, _native.repeat(self.cell._native, self.run_file, threads, heard(progress))))
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder, "tension.csv")
-            rows = np.c_[own.t_ms, own.tension_kpa]
-            np.savetxt(path, rows, fmt="%.17g", delimiter=",", header="t_ms,tension_kPa", comments="")
-            text = self.run_file.replace('tension = "tension.csv"', f"tension = {json.dumps(path.as_posix())}")
+            path = Path(folder, f"{key}.csv")
+            np.savetxt(path, rows, fmt="%.17g", delimiter=",", header=header, comments="")
+            text = self.run_file.replace(f'{key} = "{key}.csv"', f"{key} = {json.dumps(path.as_posix())}")
             return ended(Beat(self.cell, _native.repeat(self.cell._native, text, threads, heard(progress))))
 
     def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
@@ -313,52 +328,6 @@ class Fit:
         return Fit, (self.cell, self.name, self._text, self.run_file, self.notes)
 
 
-@dataclass(frozen=True)
-class Reading:
-    """How tables are read, and the meaning of arrays."""
-
-    columns: Sequence[str] = ()
-    time: str | None = None
-    kind: str | None = None
-    unit: str | None = None
-    time_unit: str | None = None
-    frame_rate_per_s: float | None = None
-    pixel_size_um: float | None = None
-    sheets: Sequence[str] = ()
-    from_ms: float | None = None
-    until_ms: float | None = None
-    ignore_marks: bool = False
-    mean: bool = False
-    skip_gaps: bool = False
-
-    @classmethod
-    def among(cls, arguments: Mapping[str, Any]) -> Reading:
-        """Returns those arguments of a function that state how a table is read."""
-        return cls(**{one.name: arguments[one.name] for one in fields(cls) if one.name in arguments})
-
-    def by_name(self) -> dict[str, Any]:
-        """Returns the options in the form that the Rust part expects."""
-        return {**self.__dict__, "columns": list(self.columns), "sheets": list(self.sheets)}
-
-    def curves(self, curve: Curve, name: str) -> tuple[list[Read], list[str]]:
-        """Returns the curves of a table, or the curve of two arrays, and what was assumed."""
-        if isinstance(curve, (str, PathLike)):
-            return _native.read_curves(os.fspath(curve), self.by_name())
-        times, values = (floats(array) for array in curve)
-        if times.ndim != 1 or times.shape != values.shape:
-            raise ValueError(
-                f"times and values have the shapes {times.shape} and {values.shape}; give two of shape (frames,)"
-            )
-        kind = self.kind or "length"
-        unit = _UNITS.get(kind, "a.u.") if self.unit is None else self.unit
-        first = -np.inf if self.from_ms is None else self.from_ms
-        last = np.inf if self.until_ms is None else self.until_ms
-        part = (times >= first) & (times <= last)
-        if not part.any():
-            raise ValueError(f"no frame lies from {first} to {last} ms")
-        return [(name, kind, unit, times[part], values[part], [])], []
-
-
 # What parameters that are no cell model's are held by, and those of models that are sought unless others are named.
 _OF_RUN = {"tension_over_stiffness": "peak_tension_kpa (or T_ref)", "young_modulus": "young_modulus_kpa"}
 _USUAL = ("c_0", "k_ws")
@@ -372,6 +341,7 @@ def asked_and_given(
     starts: int,
     seed: int,
     stimulus_times_ms: Sequence[float] | None,
+    peak_shortening_pct: float | None,
     settings: dict[str, Any],
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Returns the parameters to fit, and the settings of the run by key."""
@@ -395,6 +365,7 @@ def asked_and_given(
         "bounds": [(name, (float(low), float(high))) for name, (low, high) in (bounds or {}).items()],
         "starts": starts,
         "seed": seed,
+        "peak_shortening_pct": None if peak_shortening_pct is None else float(peak_shortening_pct),
         "stimulus_times_ms": None if stimulus_times_ms is None else [float(time) for time in stimulus_times_ms],
     }
     settings.setdefault("integrator", "quasi-static")
@@ -413,7 +384,11 @@ def fit(
     fix: Sequence[str] | Mapping[str, float | str] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     loaded: Mapping[float, Curve] | None = None,
+    recorded_calcium: Curve | None = None,
+    calcium_rest_um: float | None = None,
+    calcium_peak_um: float | None = None,
     stimulus_times_ms: Sequence[float] | None = None,
+    peak_shortening_pct: float | None = None,
     starts: int = 8,
     seed: int = 1,
     columns: Sequence[str] = (),
@@ -454,8 +429,16 @@ def fit(
         Lowest and highest value of a parameter in its unit; by default a factor of 4 in both directions.
     loaded : mapping or None
         Curves of the same cell between two springs, such as carbon fibres, by the stiffness of each spring, nN/um.
+    recorded_calcium : path, times and values, or None
+        Calcium that was recorded together with the curve, on its clock: a table, or times in ms and calcium in uM. It drives
+        ``land_2017``, beat for beat. None: a column of calcium in the table of the curve, if there is one.
+    calcium_rest_um, calcium_peak_um : float or None
+        Calcium at rest and at the peak of its mean beat, uM, where the recording is a ratio or a fluorescence.
     stimulus_times_ms : sequence of float or None
         Times at which the cell was stimulated; None finds the beats in the curve.
+    peak_shortening_pct : float or None
+        How far the cell shortens at the peak of its beat, %, for a curve in arbitrary units (kind ``"contraction"``), which
+        does not say so; tensions depend on it. None: only the timing of such a curve is fitted.
     starts, seed : int
         Number of starts of the search, and the seed of their positions: thresholds in the equations make local minima.
     columns : sequence of str
@@ -515,10 +498,12 @@ def fit(
     reading = Reading.among(locals())
     named: dict[str, Any] = dict(settings)
     of_film = {} if film is None else {name: named.pop(name) for name in list(named) if name not in BEAT_KEYS}
-    asked, given = asked_and_given("fit", free, fix, bounds, starts, seed, stimulus_times_ms, named)
+    asked, given = asked_and_given(
+        "fit", free, fix, bounds, starts, seed, stimulus_times_ms, peak_shortening_pct, named
+    )
     if film is not None:
-        if not (curve is None and cell is None and not loaded):
-            raise ValueError("film gives the curve and the cell; leave curve, cell and loaded out")
+        if not (curve is None and cell is None and not loaded and recorded_calcium is None):
+            raise ValueError("film gives the curve and the cell; leave curve, cell, loaded and recorded_calcium out")
         given |= given_of_picture("fit", pixel_size_um, of_film)
         with film_path(film) as path:
             native = _native.fit_film(path, given, reading.by_name(), asked, threads, heard(progress))
@@ -534,11 +519,29 @@ def fit(
         between.append((float(stiffness), held_curve))
         notes += more
     cell = cell_of(cell)
-    fitter = _native.Fitter(cell._native, given, asked, between)
+    calcium = _calcium(reading, curve, one, recorded_calcium, [calcium_rest_um, calcium_peak_um])
+    fitter = _native.Fitter(cell._native, given, asked, between, calcium)
+    notes += fitter.notes
     text, run_file = fitter.fit(one, threads, heard(progress))
     found = Fit(cell, one[0], text, run_file, notes)
     warn([*notes, *found.verdicts])
     return found
+
+
+def _calcium(
+    reading: Reading, curve: Curve, one: Read, recorded: Curve | None, scale: list[float | None]
+) -> tuple[str | None, list[Read], Read, list[float | None]] | None:
+    """Returns the calcium that was recorded together with a curve, as the Rust part expects it."""
+    source = curve if recorded is None else recorded
+    if isinstance(source, (str, PathLike)):
+        plain = replace(reading, columns=(), kind=None, unit=None, mean=False)
+        path = None if recorded is None else os.fspath(source)
+        return path, _native.read_calcium(os.fspath(source), plain.by_name()), one, scale
+    if recorded is None:
+        return None
+    kind = "calcium" if scale == [None, None] else "fluorescence"
+    arrays = replace(reading, kind=kind, unit="uM" if kind == "calcium" else "a.u.")
+    return "recorded_calcium", arrays.curves(recorded, "recorded_calcium")[0], one, scale
 
 
 def _single(reading: Reading, curve: Curve, name: str) -> tuple[Read, list[str]]:

@@ -43,6 +43,48 @@ class Estimate(NamedTuple):
     profile: list[tuple[float, float]]
 
 
+@dataclass(frozen=True, repr=False)
+class FilmDistances:
+    """The fitted cell laid over its film: how far it is from the film's cell in each frame that it reaches.
+
+    Attributes
+    ----------
+    frames : ndarray of shape (frames,)
+        Their numbers in the film.
+    t_ms : ndarray of shape (frames,)
+        Their times.
+    distance_um : ndarray of shape (frames,)
+        Distance of the points of the two cells, root mean square, after the best shift and rotation of the whole cell.
+    movement_um : ndarray of shape (frames,)
+        How far the film's cell has moved from rest, in the same way.
+    positions : ndarray of shape (frames, nodes, 2)
+        Masses of the fitted cell, um, shifted and rotated to the film's cell in each frame.
+    """
+
+    frames: NDArray[np.int64]
+    t_ms: NDArray[np.float64]
+    distance_um: NDArray[np.float64]
+    movement_um: NDArray[np.float64]
+    positions: NDArray[np.float64]
+
+    def to_dataframe(self) -> Any:
+        """Returns a row for each frame; needs pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Time, distance and movement, indexed by the frame.
+        """
+        import pandas
+
+        columns = {"t_ms": self.t_ms, "distance_um": self.distance_um, "movement_um": self.movement_um}
+        return pandas.DataFrame(columns, index=pandas.Index(self.frames, name="frame"))
+
+    def __repr__(self) -> str:
+        most = f"{self.distance_um.max():.2f} um apart at most"
+        return f"<myospring.FilmDistances: {len(self.frames)} frames, {most}>"
+
+
 class TriedModel(NamedTuple):
     """What a cell model leaves of a curve, or why it was not fitted.
 

@@ -21,9 +21,10 @@ from myospring import _native
 from myospring._cell import Cell, cell_of
 from myospring._engine import Answer, Run
 from myospring._errors import warn
-from myospring._fit import Curve, Fit, Read, Reading, asked_and_given
+from myospring._fit import Fit, asked_and_given
 from myospring._functions import BeatSettings
 from myospring._progress import Progress, heard
+from myospring._reading import Curve, Read, Reading
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -102,7 +103,7 @@ def work(
         fitter = _made.pop(key, None)
         if fitter is None:
             cell, given, asked = pickle.loads(head)
-            fitter = _native.Fitter(cell._native, given, asked, [])
+            fitter = _native.Fitter(cell._native, given, asked, [], None)
         _made[key] = fitter
         while len(_made) > 4:
             _made.popitem(last=False)
@@ -177,6 +178,7 @@ def fit_many(
     fix: Sequence[str] | Mapping[str, float | str] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     stimulus_times_ms: Sequence[float] | None = None,
+    peak_shortening_pct: float | None = None,
     starts: int = 8,
     seed: int = 1,
     columns: Sequence[str] = (),
@@ -209,7 +211,7 @@ def fit_many(
         Shape of all cells, or of each cell in the order of the curves; None: the built-in one.
     executor : concurrent.futures.Executor, function that makes one, or None
         Executor of the work, as in `run_study`; None: threads of this process.
-    free, fix, bounds, stimulus_times_ms, starts, seed
+    free, fix, bounds, stimulus_times_ms, peak_shortening_pct, starts, seed
         As in `fit`, for all cells.
     columns, time, kind, unit, time_unit, frame_rate_per_s, pixel_size_um, sheets, skip_gaps
         How tables are read, as in `fit`.
@@ -256,7 +258,7 @@ def fit_many(
     if tries < 1:
         raise ValueError(f"tries = {tries} is below 1")
     asked, given = asked_and_given(
-        "fit_many", free, fix, bounds, starts, seed, stimulus_times_ms, dict(settings)
+        "fit_many", free, fix, bounds, starts, seed, stimulus_times_ms, peak_shortening_pct, dict(settings)
     )
     read, notes = _all(reading, curves)
     if cell is None or isinstance(cell, (Cell, str, PathLike)):
@@ -269,7 +271,7 @@ def fit_many(
     for one in cells:
         if id(one) not in heads:
             # Invalid settings are an error here, not in each worker.
-            _native.Fitter(one._native, given, asked, [])
+            _native.Fitter(one._native, given, asked, [], None)
             head = pickle.dumps((one, given, asked))
             heads[id(one)] = (hashlib.sha256(head).hexdigest(), head)
     tasks = _Tasks([heads[id(one)] for one in cells], read)

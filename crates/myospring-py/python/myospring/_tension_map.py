@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
+from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -23,6 +24,55 @@ from myospring._xarray import dataset
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
+
+
+@dataclass(frozen=True, repr=False)
+class TensionFrames:
+    """Where a cell pulls in each frame of its film that shows it.
+
+    Attributes
+    ----------
+    frames : ndarray of shape (frames,)
+        Their numbers in the film.
+    t_ms : ndarray of shape (frames,)
+        Their times.
+    tension_kpa, standard_deviation_kpa : ndarray of shape (frames, triangles)
+        Active tension of each triangle, NaN where the film does not show it, and its standard deviation.
+    mean_tension_kpa, mean_standard_deviation_kpa : ndarray of shape (frames,)
+        Mean over the cell, and its standard deviation.
+    known_pct : ndarray of shape (frames,)
+        Part of the cell whose tension is known.
+    """
+
+    frames: NDArray[np.int64]
+    t_ms: NDArray[np.float64]
+    tension_kpa: NDArray[np.float64]
+    standard_deviation_kpa: NDArray[np.float64]
+    mean_tension_kpa: NDArray[np.float64]
+    mean_standard_deviation_kpa: NDArray[np.float64]
+    known_pct: NDArray[np.float64]
+
+    def to_xarray(self) -> Any:
+        """Returns the frames as a dataset; needs xarray.
+
+        Returns
+        -------
+        xarray.Dataset
+            Tensions over ``frame`` and ``triangle``; units are attributes.
+        """
+        both, each = ("frame", "triangle"), ("frame",)
+        variables = {
+            "tension_kPa": (both, self.tension_kpa),
+            "standard_deviation_kPa": (both, self.standard_deviation_kpa),
+            "mean_tension_kPa": (each, self.mean_tension_kpa),
+            "mean_standard_deviation_kPa": (each, self.mean_standard_deviation_kpa),
+            "known_pct": (each, self.known_pct),
+        }
+        return dataset(variables, {"frame": (each, self.frames), "t_ms": (each, self.t_ms)}, {})
+
+    def __repr__(self) -> str:
+        frames, triangles = self.tension_kpa.shape
+        return f"<myospring.TensionFrames: {frames} frames, {triangles} triangles>"
 
 
 class TensionMap:
@@ -79,6 +129,23 @@ class TensionMap:
         self.headline = native.headline
         self.warnings = native.warnings
 
+    @cached_property
+    def over_time(self) -> TensionFrames | None:
+        """The map in each frame of the film; None if the map is not known."""
+        if not self.known:
+            return None
+        columns = dict(self._native.frame_columns())
+        tension, deviation = self._native.frame_tensions()
+        return TensionFrames(
+            frames=columns["frame"].astype(np.int64),
+            t_ms=columns["t_ms"],
+            tension_kpa=tension,
+            standard_deviation_kpa=deviation,
+            mean_tension_kpa=columns["mean_tension_kPa"],
+            mean_standard_deviation_kpa=columns["standard_deviation_kPa"],
+            known_pct=columns["known_pct"],
+        )
+
     def to_dataframe(self) -> Any:
         """The map as a table; it needs pandas.
 
@@ -110,8 +177,8 @@ class TensionMap:
     def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
         """Writes what `myospring fit` writes of a map.
 
-        ``tension_map.json``, ``tension_map.csv``, ``tension_frames.csv``, the figure and, of a map that is known,
-        ``tension_map.vtu`` and ``tension_frames.npz``.
+        ``tension_map.json``, ``tension_map.csv``, the figure and, of a map that is known, ``tension_map.vtu``,
+        ``tension_frames.csv``, ``tension_frames.npz`` and the figure ``tension_over_beat``.
 
         Parameters
         ----------

@@ -23,14 +23,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod csv;
+pub(in crate::experiment) mod csv;
 mod curve;
-mod figures;
+pub(in crate::experiment) mod figures;
 mod page;
+pub(in crate::experiment) mod pairs;
 mod record;
 
 pub use curve::AnalysedCurve;
-pub use record::{AnalysisRecord, KEY, Mean, conventions, means};
+pub use pairs::PairedCurves;
+pub use record::{AnalysisRecord, KEY, Mean, conventions, means, means_of};
 
 use super::beats::BeatOptions;
 use super::tables::tables;
@@ -69,6 +71,8 @@ pub struct Analyse {
 pub struct Analysed {
     /// In the order of the files; at least one has a beat.
     pub curves: Vec<AnalysedCurve>,
+    /// Calcium and motion that were recorded together.
+    pub pairs: Vec<PairedCurves>,
     /// What was found and assumed when the files were read.
     pub notes: Vec<String>,
     /// Files that could not be read; the notes say why.
@@ -81,7 +85,8 @@ impl Experiment for Analyse {
     fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Analysed, ExperimentError> {
         self.beats.check()?;
         let inputs = tables(&self.paths)?;
-        let mut all = Analysed { curves: Vec::new(), notes: Vec::new(), left_out: 0 };
+        let mut all =
+            Analysed { curves: Vec::new(), pairs: Vec::new(), notes: Vec::new(), left_out: 0 };
         observer.stage("files", inputs.len() as u64);
         for (done, path) in inputs.iter().enumerate() {
             let file = path.display().to_string();
@@ -102,6 +107,9 @@ impl Experiment for Analyse {
         }
         all.add("", self.curves.clone(), &self.beats);
         all.check_beats()?;
+        let (pairs, notes) = pairs::pairs(&all.curves);
+        all.pairs = pairs;
+        all.notes.extend(notes);
         if all.curves.len() > FIGURES {
             all.notes.push(format!(
                 "figures are drawn of the first {FIGURES} of {} curves; --columns chooses others",
@@ -176,6 +184,10 @@ impl Analysed {
         let more = odd.len().saturating_sub(REMARKS);
         odd.truncate(REMARKS);
         remarks.extend(odd);
+        for pair in &self.pairs {
+            let title = pair.title(&self.curves);
+            remarks.extend(pair.paired.remarks.iter().map(|remark| format!("{title}: {remark}")));
+        }
         if more > 0 {
             remarks.push(format!("{more} further remarks stand in summary.json and metrics.csv"));
         }
@@ -185,7 +197,7 @@ impl Analysed {
 
 impl Outcome for Analysed {
     fn numbers(&self) -> impl Serialize {
-        AnalysisRecord::of(&self.curves, &self.notes)
+        AnalysisRecord::of(&self.curves, &self.pairs, &self.notes)
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -196,7 +208,11 @@ impl Outcome for Analysed {
         folder.write("metrics.csv", csv::metrics(&self.curves)?)?;
         folder.write("summary.csv", csv::summary(&self.curves)?)?;
         folder.write("summary.json", json::for_people(&self.numbers())?)?;
-        folder.write("report.html", page::html(&self.curves, self.warnings())?)?;
+        folder.write("report.html", page::html(&self.curves, &self.pairs, self.warnings())?)?;
+        if !self.pairs.is_empty() {
+            folder.write("pairs.csv", csv::pairs(&self.curves, &self.pairs)?)?;
+            folder.write("loops.csv", csv::loops(&self.curves, &self.pairs)?)?;
+        }
         let names = figures::names(&self.curves);
         observer.stage("figures", names.len().min(FIGURES) as u64);
         for (done, (read, name)) in self.curves.iter().zip(&names).take(FIGURES).enumerate() {
@@ -206,8 +222,14 @@ impl Outcome for Analysed {
             }
             observer.reached(done as u64 + 1);
             if observer.interruption().is_requested() {
-                break;
+                return Ok(());
             }
+        }
+        let drawn = self.pairs.iter().filter(|pair| pair.paired.mean_loop.is_some());
+        let names = figures::loop_names(&self.curves, drawn.clone());
+        for (pair, name) in drawn.take(FIGURES).zip(&names) {
+            let draw = || figures::loops(&self.curves, pair);
+            folder.figures(Theme::Light, &[(name, &draw)], observer)?;
         }
         Ok(())
     }

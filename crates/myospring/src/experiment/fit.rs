@@ -1,5 +1,6 @@
 //! A cell's own parameters from its measured curves, or from a film of its beat.
 
+mod calcium;
 mod cell;
 mod curves;
 mod description;
@@ -7,6 +8,7 @@ mod files;
 mod film;
 mod models;
 mod outcome;
+mod over_film;
 mod page;
 mod shapes;
 mod simulation;
@@ -21,6 +23,7 @@ use crate::fit::Loaded;
 use crate::interruption::Interruption;
 use crate::settings::{self, Run, Shaped, Value};
 use crate::study::Threads;
+pub use calcium::{DrivingCalcium, RecordedCalcium};
 pub use cell::{FittableCell, FittedCell};
 pub use curves::{EndSprings, Named, between_springs, of_table};
 pub use description::FitCell;
@@ -80,11 +83,13 @@ impl FitCell {
             let name = name.unwrap_or_default().to_string_lossy().into_owned();
             return Ok(PreparedFit { name, stem, film, work: None, notes: Vec::new() });
         }
-        let (curves, mut notes) = match &film {
-            Some(film) => (vec![film.named(&self.table)?], film.warnings().to_vec()),
+        let (curves, own, mut notes) = match &film {
+            Some(film) => (vec![film.named(&self.table)?], Vec::new(), film.warnings().to_vec()),
             None => curves::of_tables(&self.to, &self.table, files)?,
         };
         let loaded = self.between_springs(curves.len(), files)?;
+        let (calcium, more) = self.calcium.of(&curves, own, (&self.table, &self.beats), files)?;
+        notes.extend(more);
         // A film without another picture gives the cell itself.
         let own =
             film.as_ref().filter(|film| self.cell.as_ref().is_none_or(|cell| *cell == film.path));
@@ -97,8 +102,13 @@ impl FitCell {
         let made = run.make(shaped, |file| files.bytes(file))?;
         run.fibre = made.fibres.taken;
         let (report, outline) = (made.report.clone(), made.outline.clone());
-        let cell =
-            FittableCell::new(run, made, models, &self.sought, (self.beats.clone(), loaded))?;
+        let cell = FittableCell::new(
+            run,
+            made,
+            models,
+            &self.sought,
+            (self.beats.clone(), loaded, calcium),
+        )?;
         let (threads, files) = (self.threads, files.clone());
         let work = Work { cell, report, outline, curves, own, threads, files };
         Ok(PreparedFit { name, stem, film, work: Some(work), notes })
@@ -229,6 +239,7 @@ impl PreparedFit {
             }
             if let (Ok(fit), false) = (&first.found, observer.interruption().is_requested()) {
                 shapes = Shapes::of(Arc::clone(followed), candidate, fit)?;
+                notes.extend(shapes.as_ref().and_then(Shapes::remark));
             }
         }
         Ok(Fits { name, cells, film, map, shapes, notes, work })

@@ -1,5 +1,6 @@
 //! The map of tension of a film's cell.
 
+use super::film_beat::FilmBeat;
 use super::track::{Followed, Track, TrackReport};
 use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
 use crate::output::field::Fields;
@@ -194,6 +195,56 @@ impl FilmMap {
         figure::maps(&cell, &maps, Some(map.resolution_um()))
     }
 
+    /// The map at rest, while the tension rises, at its peak, while it falls, and at the end of one beat; `None` if the map
+    /// is not known.
+    ///
+    /// # Errors
+    /// A cell that cannot be drawn.
+    pub fn beat_figure(&self) -> Result<Option<Figure>, FigureError> {
+        let Followed { motion, shaped, fibres, .. } = &*self.followed;
+        let (film, shown) = (&self.film, motion.frames_with_cell());
+        let Some(beat) = FilmBeat::of(motion, &shown).filter(|_| self.map.is_known()) else {
+            return Ok(None);
+        };
+        let fields = Fields::new(&motion.mesh, &fibres.directions, None)?;
+        let cell = figure::DrawnCell::new(fields.clone(), Some(&shaped.outline))?;
+        let places = beat.moments.iter().filter_map(|(at, name)| {
+            let place = film.frames.iter().position(|frame| *frame == motion.frames[*at])?;
+            Some((*at, *name, place))
+        });
+        let places: Vec<(usize, &str, usize)> = places.collect();
+        let positions: Vec<_> = places.iter().map(|(at, ..)| motion.positions(*at)).collect();
+        let known = places
+            .iter()
+            .flat_map(|&(_, _, place)| film.tensions_kpa(place).into_iter().zip(film.known(place)));
+        let most =
+            known.filter(|(_, known)| *known).map(|(tension, _)| tension).fold(0.0, f64::max);
+        let maps = places.iter().zip(&positions).map(|(&(_, name, place), positions)| Map {
+            name: format!("{name}, {:.0} ms", film.times_ms[place]),
+            positions,
+            values: fields.from_triangles(&film.tensions_kpa(place)),
+            quantity: "Active tension (kPa)".to_owned(),
+            limits: Some([0.0, most]),
+            doubts: Some(fields.from_triangles(&film.doubts(place))),
+        });
+        let maps: Vec<Map<'_>> = maps.collect();
+        let note = |&(_, _, place): &(usize, &str, usize)| {
+            let (mean, deviation) = (film.means_kpa[place], film.mean_deviations_kpa[place]);
+            let known = self.known_pct(place);
+            format!("mean {mean:.1} \u{b1} {deviation:.1} kPa, {known:.0} % of the cell known")
+        };
+        let notes: Vec<String> = places.iter().map(note).collect();
+        let title = format!("Active tension over {}", beat.words());
+        figure::map_series(&cell, &maps, &title, &notes).map(Some)
+    }
+
+    /// Part of the cell whose tension is known in a frame, by its place in the film of the map, %.
+    fn known_pct(&self, frame: usize) -> f64 {
+        let known = self.film.known(frame);
+        let places = known.iter().filter(|known| **known).count();
+        100.0 * places as f64 / known.len().max(1) as f64
+    }
+
     pub(super) fn write(
         &self,
         folder: &Folder,
@@ -207,7 +258,12 @@ impl FilmMap {
             folder.write("tension_frames.npz", self.arrays()?)?;
         }
         let draw = || self.figure();
-        folder.figures(Theme::Light, &[("tension_map", &draw)], observer)
+        folder.figures(Theme::Light, &[("tension_map", &draw)], observer)?;
+        if let Some(figure) = self.beat_figure()? {
+            let draw = || Ok(figure.clone());
+            folder.figures(Theme::Light, &[("tension_over_beat", &draw)], observer)?;
+        }
+        Ok(())
     }
 
     /// A row for each triangle.
@@ -239,31 +295,31 @@ impl FilmMap {
             name: name.to_owned(),
             values: values.into_iter().map(Some).collect(),
         };
-        let known = |frame: usize| {
-            let known = film.known(frame);
-            let places = known.iter().filter(|known| **known).count();
-            100.0 * places as f64 / known.len().max(1) as f64
-        };
         let columns = vec![
             column("frame", film.frames.iter().map(|frame| *frame as f64).collect()),
             column("t_ms", film.times_ms.clone()),
             column("mean_tension_kPa", film.means_kpa.clone()),
             column("standard_deviation_kPa", film.mean_deviations_kpa.clone()),
-            column("known_pct", (0..film.frames.len()).map(known).collect()),
+            column(
+                "known_pct",
+                (0..film.frames.len()).map(|frame| self.known_pct(frame)).collect(),
+            ),
         ];
         Table { columns }
     }
 
-    /// Tension of each triangle in each frame for NumPy, not a number where it is not known.
+    /// Tension of each triangle in a frame, kPa, not a number where it is not known; by its place in the film of the map.
+    pub fn known_tensions_kpa(&self, frame: usize) -> Vec<f64> {
+        let values = self.film.tensions_kpa(frame).into_iter().zip(self.film.known(frame));
+        values.map(|(value, known)| if known { value } else { f64::NAN }).collect()
+    }
+
+    /// The tensions of all frames for NumPy.
     fn arrays(&self) -> Result<Vec<u8>, ExperimentError> {
         let film = &self.film;
         let shape = [film.frames.len(), self.followed.motion.mesh.simplices.len()];
         let frames = 0..film.frames.len();
-        let tensions = frames.clone().flat_map(|frame| {
-            let known = film.known(frame);
-            let values = film.tensions_kpa(frame).into_iter().zip(known);
-            values.map(|(value, known)| if known { value } else { f64::NAN }).collect::<Vec<_>>()
-        });
+        let tensions = frames.clone().flat_map(|frame| self.known_tensions_kpa(frame));
         let deviations = frames.flat_map(|frame| film.deviations_kpa(frame));
         let arrays = vec![
             ("t_ms", Array::floats([shape[0]], film.times_ms.iter().copied())),

@@ -52,6 +52,25 @@ pub struct Fit {
     /// What each cell model leaves of the curve, the one that was taken first; empty where only one was asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tried: Vec<TriedModel>,
+    /// The calcium that was recorded together with the curve.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub calcium: Option<RecordedCourse>,
+}
+
+/// Calcium that was recorded together with a curve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecordedCourse {
+    /// Whether it drives the model; otherwise it is shown beside the curve.
+    pub drives: bool,
+    /// Times on the clock of the curve, ms.
+    pub times_ms: Vec<f64>,
+    /// Calcium, uM.
+    pub calcium_um: Vec<f64>,
+}
+
+impl RecordedCourse {
+    /// The file of a fit's results that has it; time counts from its first sample.
+    pub const FILE: &str = "calcium.csv";
 }
 
 /// What a cell model leaves of a curve, or why it was not fitted.

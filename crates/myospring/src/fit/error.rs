@@ -8,6 +8,9 @@ use crate::parameter::ParameterError;
 use crate::settings::{MakeError, ShapeError};
 use crate::simulation::SetupError;
 
+/// Largest shortening at the peak of a beat that a cell can have, %.
+pub(super) const MOST_SHORTENING_PCT: f64 = 50.0;
+
 /// Why there is no fit.
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
@@ -40,11 +43,27 @@ pub enum FitError {
     /// A curve without a scale.
     #[error(
         "`{name}` is in arbitrary units, so it does not say how far the cell shortens, and its own tension is not known; give a \
-         length, or a shortening in % (--kind, --unit)"
+         length, a shortening in % (--kind, --unit), or the shortening at its peak (--peak-shortening)"
     )]
     NoHeight {
         /// The curve.
         name: String,
+    },
+    /// A shortening at the peak for a curve that has one.
+    #[error(
+        "`{name}` is not in arbitrary units, so it says itself how far the cell shortens; leave --peak-shortening out"
+    )]
+    HasHeight {
+        /// The curve.
+        name: String,
+    },
+    /// A shortening that no cell has.
+    #[error(
+        "--peak-shortening is {percent} %; it must be above 0 %, at most {MOST_SHORTENING_PCT} %"
+    )]
+    PeakShortening {
+        /// What was given, %.
+        percent: f64,
     },
     /// A tension that no cell has.
     #[error(

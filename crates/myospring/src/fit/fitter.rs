@@ -445,6 +445,7 @@ impl Fitter {
             evaluations: work.evaluations(),
             own_tension: None,
             tried: Vec::new(),
+            calcium: None,
         };
         fit.judge();
         fit.verdicts = verdicts(&fit, &*self.simulation.cell, self.modulus());

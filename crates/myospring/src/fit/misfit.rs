@@ -12,6 +12,9 @@
 //! than it. Residuals of several beats are also added up at the same time after the stimulus, where
 //! a misfit that repeats exceeds the noise.
 //!
+//! With few frames a beat the residuals of a misfit alternate. Without structure, residuals far above the noise at rest
+//! are a misfit, too.
+//!
 //! Correlated residuals count as fewer: the intervals use their variance over long stretches, not
 //! that of a single frame (see also `TAKEN_UP`).
 
@@ -19,6 +22,8 @@ use super::problem::Source;
 
 /// Score above which a correlation is not by chance: one in a thousand.
 const NO_CHANCE: f64 = 3.1;
+/// Residuals this many times as large as the noise at rest are not noise; that of a moving cell may be somewhat larger.
+const LOUDER: f64 = 3.0;
 /// Fewest blocks whose correlation is tested.
 const FEWEST: usize = 12;
 /// Sum of the squares of the coefficients of a fourth difference, 1 -4 6 -4 1.
@@ -44,7 +49,22 @@ impl Misfit {
         let Source { frames, used, .. } = source;
         let off = (0..fitted.len()).filter(|&at| used[at]);
         let off: Vec<f64> = off.map(|at| frames.values[at] - fitted[at]).collect();
-        Self::of_residuals(&off, &frames.times, &frames.values, used, stimuli)
+        let found = Self::of_residuals(&off, &frames.times, &frames.values, used, stimuli);
+        if found.size > 0.0 { found } else { Self::beyond(frames.noise, &off, &frames.values) }
+    }
+
+    /// Of residuals without a structure: with few frames a beat those of a misfit alternate. Residuals far above the noise
+    /// at rest are then no noise, either.
+    fn beyond(noise: f64, off: &[f64], values: &[f64]) -> Self {
+        let all = mean(off.iter().map(|value| value * value));
+        if all <= (LOUDER * noise).powi(2) {
+            return Self { size: 0.0, unexplained: 0.0, together: 1.0 };
+        }
+        let variance = all - noise.powi(2);
+        let middle = mean(values.iter().copied());
+        let of_curve = mean(values.iter().map(|value| (value - middle).powi(2)));
+        let of_curve = of_curve.max(variance).max(f64::MIN_POSITIVE);
+        Self { size: variance.sqrt(), unexplained: variance / of_curve, together: 1.0 }
     }
 
     /// Of residuals of the frames that count, at these times and values of all frames.
@@ -211,6 +231,19 @@ mod tests {
         let times: Vec<f64> = (0..off.len()).map(|frame| 4.0 * frame as f64).collect();
         let stimuli: Vec<f64> = (0..beats).map(|beat| 640.0 * beat as f64).collect();
         Misfit::in_residuals(&off, &beat_upon_beat(&off, &times, &stimuli), &values)
+    }
+
+    #[test]
+    fn residuals_that_alternate_are_a_misfit_where_they_are_far_above_the_noise() {
+        let values = curve(1);
+        // Every eighth frame: ten frames in the beat.
+        let values: Vec<f64> = values.into_iter().step_by(8).collect();
+        let off = |size: f64| -> Vec<f64> {
+            (0..values.len()).map(|at| if at % 2 == 0 { size } else { -size }).collect()
+        };
+        assert!(Misfit::beyond(0.01, &off(0.029), &values).size == 0.0);
+        let found = Misfit::beyond(0.01, &off(0.1), &values);
+        assert!((found.size - 0.0995).abs() < 1e-4 && found.unexplained > 0.01, "{found:?}");
     }
 
     #[test]

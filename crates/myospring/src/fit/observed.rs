@@ -1,8 +1,9 @@
 //! A curve prepared for a fit: which frames count, their noise, where beats begin.
 
-use super::error::FitError;
-use crate::analysis::curve::{CurveOptions, State, analyse};
+use super::error::{FitError, MOST_SHORTENING_PCT};
+use crate::analysis::curve::{Analysis, CurveOptions, State, analyse};
 use crate::analysis::kind::Kind;
+use crate::analysis::order;
 use crate::measured::Curve;
 
 /// Frames at rest that an estimate of the noise needs.
@@ -34,12 +35,28 @@ pub enum Stimuli {
     Given(Vec<f64>),
     /// The approximate onset of each beat, ms, found in the curve; each has its own delay.
     Seen(Vec<f64>),
+    /// The calcium of the whole recording is known on the clock of the curve, so that no delay is sought.
+    Clocked {
+        /// When that calcium begins, ms.
+        from: [f64; 1],
+        /// The number of beats of the curve.
+        beats: usize,
+    },
 }
 
 impl Stimuli {
     pub(super) fn times(&self) -> &[f64] {
         match self {
             Self::Given(times) | Self::Seen(times) => times,
+            Self::Clocked { from, .. } => from,
+        }
+    }
+
+    /// The number of beats.
+    pub(super) fn beats(&self) -> usize {
+        match self {
+            Self::Given(times) | Self::Seen(times) => times.len(),
+            Self::Clocked { beats, .. } => *beats,
         }
     }
 }
@@ -82,12 +99,17 @@ const BEFORE_RISE: f64 = 20.0;
 impl Observed {
     /// Prepares a curve of a file: of lengths, shortening or another motion. Without stimuli, given
     /// or marked in the file, its beats are found. A partial beat before the first whole one is
-    /// left out.
+    /// left out. A curve in arbitrary units becomes a shortening, %, if `peak_shortening_pct` says how far the cell shortens
+    /// at its peak.
     ///
     /// # Errors
     ///
-    /// A curve of any other kind, or without a beat.
-    pub fn of(curve: &Curve, stimuli_ms: Option<&[f64]>) -> Result<Self, FitError> {
+    /// A curve of any other kind, or without a beat; a peak shortening out of bounds, or of a curve that has a height.
+    pub fn of(
+        curve: &Curve,
+        stimuli_ms: Option<&[f64]>,
+        peak_shortening_pct: Option<f64>,
+    ) -> Result<Self, FitError> {
         let name = || curve.name.clone();
         let marked = Some(curve.stimuli_ms.as_slice()).filter(|marked| !marked.is_empty());
         let stimuli_ms = stimuli_ms.or(marked);
@@ -137,7 +159,29 @@ impl Observed {
             None => Stimuli::Seen(beats),
         };
         let (times_ms, unit) = (curve.times_ms.clone(), curve.unit.to_owned());
-        Ok(Self { name: name(), times_ms, values, scale, unit, stimuli })
+        let observed = Self { name: name(), times_ms, values, scale, unit, stimuli };
+        match peak_shortening_pct {
+            Some(percent) => observed.with_peak(percent, &analysis),
+            None => Ok(observed),
+        }
+    }
+
+    /// The shortening, %, of a curve in arbitrary units whose mean beat is this high.
+    fn with_peak(self, percent: f64, analysis: &Analysis) -> Result<Self, FitError> {
+        if self.scale != Scale::Arbitrary {
+            return Err(FitError::HasHeight { name: self.name });
+        }
+        if !(percent > 0.0 && percent <= MOST_SHORTENING_PCT) {
+            return Err(FitError::PeakShortening { percent });
+        }
+        let no_beat = || FitError::NoBeat { name: self.name.clone() };
+        let height = analysis.mean("peak_amplitude").filter(|height| *height > 0.0);
+        let share = percent / height.ok_or_else(no_beat)?;
+        let levels = analysis.beats.iter().filter_map(|beat| Some(beat.baseline?[0].value));
+        let rest = order::median(levels).ok_or_else(no_beat)?;
+        let rest = if analysis.treatment.rises { rest } else { -rest };
+        let values = self.values.into_iter().map(|value| share * (value - rest)).collect();
+        Ok(Self { values, scale: Scale::Percent, unit: "%".to_owned(), ..self })
     }
 
     /// Stretches without a value between frames that have one: first and last time, ms.

@@ -148,6 +148,7 @@ impl Fitter {
             evaluations: times.len(),
             own_tension: Some(own),
             tried: Vec::new(),
+            calcium: None,
         };
         fit.verdicts = words::of_own_tension(&fit, self.modulus());
         fit
@@ -367,7 +368,7 @@ impl<'a> Seen<'a> {
             Stimuli::Given(times) => {
                 Stimuli::Given(times.iter().map(|time| time - self.times[0]).collect())
             }
-            seen @ Stimuli::Seen(_) => seen.clone(),
+            seen => seen.clone(),
         }
     }
 }

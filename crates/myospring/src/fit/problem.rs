@@ -70,13 +70,14 @@ impl Layout {
             let beats = match &observed.stimuli {
                 Stimuli::Given(_) => vec![None],
                 Stimuli::Seen(times) => (0..times.len()).map(Some).collect(),
+                Stimuli::Clocked { .. } => Vec::new(),
             };
             for beat in beats {
                 layout.add(Role::Delay { source, beat }, [-DELAY_MS, DELAY_MS], STEP_MS);
             }
             let levels = [rest - LEVELS * height, rest + LEVELS * height];
             layout.add(Role::Level { source }, levels, 1e-3 * height);
-            if layout.sources[source].observed.stimuli.times().len() > 1 {
+            if layout.sources[source].observed.stimuli.beats() > 1 {
                 layout.add(Role::Drift { source }, [-height, height], 1e-3 * height);
             }
             if scale == Scale::Arbitrary {

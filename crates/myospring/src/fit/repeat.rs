@@ -1,6 +1,6 @@
 //! The run that repeats a fit.
 
-use super::answer::Fit;
+use super::answer::{Fit, RecordedCourse};
 use super::error::FitError;
 use super::fitter::Fitter;
 use super::fitter::ONE_BEAT;
@@ -12,7 +12,7 @@ use crate::cell::tension::{Rates, Tension};
 use crate::cell::{CellModel, TensionKind};
 use crate::integrate::Method;
 use crate::mechanics::material::Stiffness;
-use crate::settings::Run;
+use crate::settings::{Calibration, Run};
 use std::sync::Arc;
 
 impl Fitter {
@@ -77,6 +77,11 @@ impl Fitter {
             }
             let end = curve.times_ms.last().copied().unwrap_or_default();
             run.duration = (run.protocol.start_ms + end - first).max(1.0).ceil();
+        }
+        if fit.calcium.as_ref().is_some_and(|calcium| calcium.drives) {
+            // The caller writes it.
+            run.calcium = Some(RecordedCourse::FILE.to_owned());
+            run.calibration = Calibration::default();
         }
         run.numerics.method = Method::QuasiStatic;
         Ok(run)

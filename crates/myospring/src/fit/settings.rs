@@ -19,12 +19,15 @@ pub struct FitOptions {
     pub starts: usize,
     /// Seed of the starts.
     pub seed: u64,
+    /// How far the cell shortens at the peak of its beat, %, for curves in arbitrary units, which do not say so.
+    pub peak_shortening_pct: Option<f64>,
 }
 
 impl Default for FitOptions {
     fn default() -> Self {
         let FitSettings { starts, seed, .. } = FitSettings::default();
-        Self { free: Vec::new(), fix: Vec::new(), bounds: Vec::new(), starts, seed }
+        let (free, fix, bounds) = (Vec::new(), Vec::new(), Vec::new());
+        Self { free, fix, bounds, starts, seed, peak_shortening_pct: None }
     }
 }
 

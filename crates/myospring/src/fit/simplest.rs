@@ -62,6 +62,13 @@ impl Fit {
         self.verdicts.splice(0..0, words::not_told_apart(&self));
         self
     }
+
+    /// The same fit of a curve in arbitrary units whose height was set to this shortening, %.
+    #[must_use]
+    pub fn with_peak(mut self, shortening_pct: Option<f64>) -> Self {
+        self.verdicts.extend(shortening_pct.map(words::of_peak));
+        self
+    }
 }
 
 /// The frames that every fit used, and their noise.

@@ -71,6 +71,14 @@ fn of_ratio(modulus: f64) -> String {
     )
 }
 
+/// Where the height of a curve is from.
+pub(super) fn of_peak(shortening_pct: f64) -> String {
+    format!(
+        "the curve is in arbitrary units; its mean beat counts as a shortening of {shortening_pct} % (--peak-shortening). Every \
+         tension depends on that number, times hardly do"
+    )
+}
+
 /// What a reader of a cell's own tension must know.
 pub(super) fn of_own_tension(fit: &Fit, modulus: f64) -> Vec<String> {
     let Some(own) = &fit.own_tension else { return Vec::new() };

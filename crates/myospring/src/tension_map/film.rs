@@ -35,9 +35,9 @@ const PREDICTED: f64 = 0.5;
 /// Widths of the smoothing in time that are tried, in intervals between frames, and where its weights end.
 const WIDTHS: [f64; 11] = [0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0];
 const REACH: f64 = 4.0;
-/// A place is known if its standard deviation is below half of its tension, or below this part of the mean at the peak.
+/// A place is known if its standard deviation is below half of its tension, or of this part of the mean at the peak.
 const HALF: f64 = 0.5;
-const OF_PEAK: f64 = 0.25;
+const OF_PEAK: f64 = 0.5;
 
 /// Active tension of each place in each frame of a film.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,9 +85,15 @@ impl TensionFilm {
     /// Which triangles have a tension that the film shows: a standard deviation below half of it, or below a quarter of the
     /// cell's mean at its peak.
     pub fn known(&self, frame: usize) -> Vec<bool> {
+        self.doubts(frame).into_iter().map(|doubt| doubt <= HALF).collect()
+    }
+
+    /// Standard deviation of each triangle in a frame over its tension, or over half of the cell's mean at its peak where that
+    /// is more; above one half a tension is not known.
+    pub fn doubts(&self, frame: usize) -> Vec<f64> {
         let both = self.tensions_kpa(frame).into_iter().zip(self.deviations_kpa(frame));
-        let enough = |tension: f64| (HALF * tension).max(OF_PEAK * self.peak_kpa);
-        both.map(|(tension, deviation)| deviation <= enough(tension)).collect()
+        let enough = |tension: f64| tension.max(OF_PEAK * self.peak_kpa);
+        both.map(|(tension, deviation)| deviation / enough(tension)).collect()
     }
 }
 

@@ -3,12 +3,14 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod film_shapes;
 mod fit;
 mod numbers;
 mod own_runs;
 mod own_tension;
 #[path = "../common/pulled_film.rs"]
 mod pulled_film;
+mod recorded_calcium;
 #[path = "../common/synthetic_cell.rs"]
 mod synthetic_cell;
 #[path = "../common/synthetic_film.rs"]

@@ -1,11 +1,12 @@
 //! The tension that a curve asks for, of curves whose tension is known, and of real ones.
 
 use crate::common;
+use myospring::analysis::kind::Kind;
 use myospring::analysis::monotone::MonotoneCubic;
 use myospring::cell;
 use myospring::fit::{Fit, FitSettings, FitVerdict, Fitter, Observed, OwnTension, Scale, Stimuli};
 use myospring::integrate::quasi_static::Tolerance;
-use myospring::measured::{TableOptions, read};
+use myospring::measured::{Curve, TableOptions, read};
 use myospring::mechanics::support::SupportKind;
 use myospring::prelude::*;
 use myospring::run_file::RunFile;
@@ -251,7 +252,7 @@ fn its_run_leaves_no_more_than_the_noise_of_simulated_and_of_real_curves() {
     let options = TableOptions { frame_rate_per_s: Some(30.0), ..TableOptions::default() };
     let table = read(&path, &options).unwrap();
     for curve in &table.curves {
-        let (fit, own) = own(&fitter, Observed::of(curve, None).unwrap());
+        let (fit, own) = own(&fitter, Observed::of(curve, None, None).unwrap());
         let left = left_by_the_run(&fitter, &fit);
         println!(
             "{}: the run leaves {left:.2} of the noise; peak {:.2} kPa, {} longer than before",
@@ -360,4 +361,48 @@ fn what_has_no_own_tension_is_refused_in_words() {
     let fitter = Fitter::of_tension(strip()).unwrap();
     let error = fitter.fit(&[observed], &FitSettings::default(), &|_| true).unwrap_err();
     assert!(error.to_string().contains("does not say how far the cell shortens"), "{error}");
+}
+
+#[test]
+fn a_curve_in_arbitrary_units_has_the_tension_of_its_stated_peak() {
+    let (_, truth) = Truth::of("coelho_2021", SupportKind::MassCentre);
+    let (filmed, tensions) = truth.filmed(200.0, 0.0, 1);
+    let rest = truth.lengths[0];
+    let shortening: Vec<f64> = filmed.values.iter().map(|at| 100.0 * (1.0 - at / rest)).collect();
+    // The mean beat has it; the first is higher than the others.
+    let within = |from: f64| {
+        let frames = filmed.times_ms.iter().zip(&shortening);
+        let beat = frames.filter(|(time, _)| (from..from + 1000.0).contains(*time));
+        beat.map(|(_, value)| *value).fold(0.0, f64::max)
+    };
+    let peak = STIMULI.map(within).iter().sum::<f64>() / 3.0;
+    let curve = |kind, unit, height: f64| Curve {
+        name: "cell".into(),
+        kind,
+        unit,
+        times_ms: filmed.times_ms.clone(),
+        values: shortening.iter().map(|it| 700.0 + height * it).collect(),
+        lines: (0..shortening.len() as u64).collect(),
+        stimuli_ms: STIMULI.to_vec(),
+    };
+    let fitter = Fitter::of_tension(strip()).unwrap();
+    let most = tensions.iter().copied().fold(0.0, f64::max);
+    // Contraction, and a curve whose twitches point down.
+    for curve in [curve(Kind::Contraction, "a.u.", 31.0), curve(Kind::Unknown, "", -0.4)] {
+        let (fit, own) = own(&fitter, Observed::of(&curve, None, Some(peak)).unwrap());
+        assert_eq!((fit.verdict, fit.curves[0].unit.as_str()), (FitVerdict::Fits, "%"));
+        // The height of a beat is read from a smoothed curve.
+        let off = own.tension_kpa.iter().zip(&tensions).map(|(a, b)| (a - b).abs());
+        let off = off.fold(0.0, f64::max) / most;
+        assert!(off < 0.01, "{:?}: {off}", curve.kind);
+    }
+    let error =
+        |curve: &Curve, percent| Observed::of(curve, None, Some(percent)).unwrap_err().to_string();
+    let arbitrary = curve(Kind::Contraction, "a.u.", 31.0);
+    for percent in [0.0, -3.0, 51.0, f64::NAN] {
+        let error = error(&arbitrary, percent);
+        assert!(error.contains("above 0 %, at most 50 %"), "{error}");
+    }
+    let error = error(&curve(Kind::Shortening, "%", 1.0), 10.0);
+    assert!(error.contains("leave --peak-shortening out"), "{error}");
 }

@@ -130,3 +130,23 @@ fn a_cell_without_texture_is_a_row_with_the_reason() {
     assert!(target.join(format!("cells/{}/track.csv", one.name)).exists());
     assert!(!target.join(format!("cells/{}/track.csv", failed.name)).exists());
 }
+
+#[test]
+fn one_cell_where_all_were_asked_for_may_be_several_and_one_of_several_says_what_follows_all() {
+    let mut film = dish(0.0, 0.0);
+    film.cells.truncate(2);
+    let (found, folder) = followed(&film, &[]);
+    assert!(found.unwrap().warnings().iter().all(|it| !it.contains("one cell was found")));
+    let mut track = Track::of(folder.path().join("dish.y4m"));
+    track.settings = vec![
+        setting("shape.pixel_size", Value::Text("0.25 um".to_owned())),
+        setting("shape.spacing", Value::Text("2 um".to_owned())),
+    ];
+    let warnings = track.run(&Files::default(), &()).unwrap().warnings();
+    let hint = "`myospring track --cell all` follows each of the 2 cells";
+    assert!(warnings.iter().any(|it| it == hint), "{warnings:?}");
+    film.cells.truncate(1);
+    let (found, _folder) = followed(&film, &[]);
+    let warnings = found.unwrap().warnings();
+    assert!(warnings[0].starts_with("one cell was found in the film"), "{warnings:?}");
+}

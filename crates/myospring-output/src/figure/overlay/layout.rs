@@ -65,7 +65,7 @@ pub fn overlay(overlay: &Overlay<'_>) -> Result<Figure, FigureError> {
         sheet.text([MARGIN, top + 11.0], overlay.title, Style::new(LABEL));
         top += 18.0;
     }
-    let whole = View::whole(overlay);
+    let whole = View::whole([overlay.width, overlay.height], overlay.pixel_size.um());
     let close = close_up(overlay, whole);
     let (panels, bottom) = arranged(whole, close, top);
     for (panel, letter) in panels.iter().zip(["A", "B"]) {
@@ -183,25 +183,39 @@ fn arranged(whole: View, close: Option<View>, top: f64) -> (Vec<Panel>, f64) {
 fn draw_legend(sheet: &mut Sheet, overlay: &Overlay<'_>, top: f64) -> f64 {
     let any = |chosen: bool| overlay.cells.iter().any(|cell| cell.chosen == chosen);
     let tick = |from: bool| overlay.fibres.iter().any(|tick| tick.from_picture == from);
+    let several = overlay.cells.iter().filter(|cell| cell.chosen).count() > 1;
+    let chosen = if several { "chosen cells" } else { "chosen cell" };
     let entries = [
-        (any(true), CHOSEN, 1.6, "chosen cell"),
+        (any(true), CHOSEN, 1.6, chosen),
         (any(false), OTHER, 1.6, "other cells"),
         (overlay.mesh.is_some(), Colour(0xa6a6a6), 0.8, "lattice"),
         (tick(true), FIBRE, 1.8, "fibre (faint: less certain)"),
         (tick(false), STAND_IN, 1.4, "fibre assumed, not from the picture"),
     ];
-    let (mut x, mut y) = (MARGIN, top + 8.0);
-    for (_, colour, thick, words) in entries.into_iter().filter(|entry| entry.0) {
+    let shown = entries.into_iter().filter(|entry| entry.0);
+    let shown = shown.map(|(_, colour, thick, words)| (Stroke::new(colour, thick), words));
+    draw_lines_legend(sheet, [MARGIN, DOUBLE - MARGIN], top, shown)
+}
+
+/// Draws lines with their words between two sides, each line on a chip as dark as a picture; returns the lower end, px.
+pub(in super::super) fn draw_lines_legend<'w>(
+    sheet: &mut Sheet,
+    [left, right]: [f64; 2],
+    top: f64,
+    entries: impl Iterator<Item = (Stroke, &'w str)>,
+) -> f64 {
+    let (mut x, mut y) = (left, top + 8.0);
+    for (stroke, words) in entries {
         let width = 24.0 + text_width(words, TICK);
-        if x > MARGIN && x + width > DOUBLE - MARGIN {
-            (x, y) = (MARGIN, y + 15.0);
+        if x > left && x + width > right {
+            (x, y) = (left, y + 15.0);
         }
         sheet.rect([x, y - 8.0], [19.0, 10.0], Look::fill(Colour(0x333333)));
-        sheet.line([x + 2.5, y - 3.0], [x + 16.5, y - 3.0], Stroke::new(colour, thick));
+        sheet.line([x + 2.5, y - 3.0], [x + 16.5, y - 3.0], stroke);
         sheet.text([x + 23.0, y + 0.5], words, Style::new(TICK).colour(MUTED));
         x += width + 12.0;
     }
-    if x > MARGIN { y + 8.0 } else { top }
+    if x > left { y + 8.0 } else { top }
 }
 
 /// Draws warnings in lines as wide as the figure; returns their lower end, px.

@@ -23,7 +23,7 @@ const CERTAIN: f64 = 0.5;
 
 /// A rectangle of the picture, whole pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct View {
+pub(in super::super) struct View {
     /// First column, column after the last, first row, row after the last.
     pixels: [usize; 4],
     /// Left, right, bottom, top, um, y upward.
@@ -31,9 +31,8 @@ pub(super) struct View {
 }
 
 impl View {
-    pub(super) fn whole(overlay: &Overlay<'_>) -> Self {
-        let pixel = overlay.pixel_size.um();
-        let [width, height] = [overlay.width, overlay.height];
+    /// All of a picture of this size with pixels of this side, um.
+    pub(in super::super) fn whole([width, height]: [usize; 2], pixel: f64) -> Self {
         Self {
             pixels: [0, width, 0, height],
             bounds: [0.0, pixel * width as f64, 0.0, pixel * height as f64],
@@ -41,7 +40,7 @@ impl View {
     }
 
     /// The pixels around some points with a margin; `None` if no point lies in the picture.
-    pub(super) fn around(points: &[[f64; 2]], whole: Self, pixel: f64) -> Option<Self> {
+    pub(in super::super) fn around(points: &[[f64; 2]], whole: Self, pixel: f64) -> Option<Self> {
         let [_, width, _, height] = whole.pixels;
         let ends = |axis: usize| {
             let along = points.iter().map(|point| point[axis] / pixel);
@@ -73,28 +72,28 @@ impl View {
     }
 
     /// Width and height, um.
-    pub(super) fn extent(&self) -> [f64; 2] {
+    pub(in super::super) fn extent(&self) -> [f64; 2] {
         let [left, right, bottom, top] = self.bounds;
         [right - left, top - bottom]
     }
 }
 
 /// A view placed on the sheet.
-pub(super) struct Panel {
-    pub(super) view: View,
+pub(in super::super) struct Panel {
+    pub(in super::super) view: View,
     /// Upper left corner, px.
-    pub(super) place: [f64; 2],
+    pub(in super::super) place: [f64; 2],
     /// px per um.
-    pub(super) scale: f64,
+    pub(in super::super) scale: f64,
 }
 
 impl Panel {
     /// Width and height, px.
-    pub(super) fn size(&self) -> [f64; 2] {
+    pub(in super::super) fn size(&self) -> [f64; 2] {
         self.view.extent().map(|length| length * self.scale)
     }
 
-    fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(in super::super) fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, _, _, top] = self.view.bounds;
         [self.place[0] + (x - left) * self.scale, self.place[1] + (top - y) * self.scale]
     }
@@ -108,16 +107,9 @@ impl Panel {
         detail: bool,
         name: &str,
     ) -> Result<(), FigureError> {
-        let place = Area { corner: self.place, size: self.size() };
         let mut inside = Sheet::default();
-        let [left, right, top, bottom] = self.view.pixels;
-        let part = Part {
-            values: overlay.values,
-            width: overlay.width,
-            columns: [left, right],
-            rows: [top, bottom],
-        };
-        inside.picture(place, embedded(&part, SHARP * place.size[0])?);
+        let picture = embedded(&self.part(overlay.values, overlay.width), SHARP * self.size()[0])?;
+        inside.picture(self.area(), picture);
         if detail && let Some(mesh) = overlay.mesh {
             self.draw_lattice(&mut inside, mesh);
         }
@@ -134,7 +126,7 @@ impl Panel {
         for cell in overlay.cells.iter().filter(|_| several && name == "A") {
             self.draw_name(&mut inside, cell);
         }
-        sheet.window(format!("panel-{name}"), Path::rect(place), inside);
+        sheet.window(format!("panel-{name}"), Path::rect(self.area()), inside);
         Ok(())
     }
 
@@ -155,13 +147,23 @@ impl Panel {
         sheet.text([x + 4.0, y + 11.5], name, Style::new(TICK).colour(WHITE).bold().halo());
     }
 
-    /// Draws an outline as a thin bright line on a wider dark one.
-    fn draw_outline(&self, sheet: &mut Sheet, cell: &Contour<'_>, colour: Colour, width: f64) {
+    /// Where it is on the sheet.
+    pub(in super::super) fn area(&self) -> Area {
+        Area { corner: self.place, size: self.size() }
+    }
+
+    /// Its part of a picture.
+    pub(in super::super) fn part<'a>(&self, values: &'a [f32], width: usize) -> Part<'a> {
+        let [left, right, top, bottom] = self.view.pixels;
+        Part { values, width, columns: [left, right], rows: [top, bottom] }
+    }
+
+    /// Rings on the sheet, without invisibly small steps.
+    pub(in super::super) fn lines(&self, rings: &[impl AsRef<[[f64; 2]]>]) -> Path {
         let mut path = Path::default();
-        for ring in &cell.rings {
+        for ring in rings {
             let mut last: Option<[f64; 2]> = None;
-            path.add_ring(ring.iter().map(|&point| self.at(point)).filter(|&[x, y]| {
-                // Invisibly small steps are left out.
+            path.add_ring(ring.as_ref().iter().map(|&point| self.at(point)).filter(|&[x, y]| {
                 let seen = last.is_none_or(|[a, b]| (x - a).hypot(y - b) >= 0.3);
                 if seen {
                     last = Some([x, y]);
@@ -169,6 +171,12 @@ impl Panel {
                 seen
             }));
         }
+        path
+    }
+
+    /// Draws an outline as a thin bright line on a wider dark one.
+    fn draw_outline(&self, sheet: &mut Sheet, cell: &Contour<'_>, colour: Colour, width: f64) {
+        let path = self.lines(&cell.rings);
         sheet.path(path.clone(), Stroke::new(BLACK, width + 1.6).opacity(0.55));
         sheet.path(path, Stroke::new(colour, width));
     }

@@ -17,7 +17,7 @@ pub struct AnalysedCurve {
 }
 
 impl AnalysedCurve {
-    pub(super) fn of(file: &str, curve: Curve, beats: &BeatOptions) -> Self {
+    pub(in crate::experiment) fn of(file: &str, curve: Curve, beats: &BeatOptions) -> Self {
         let options = beats.within(&curve);
         let found =
             curve::analyse(&curve.times_ms, &curve.values, curve.kind, curve.unit, &options);

@@ -1,9 +1,10 @@
 //! The figure of a curve.
 
 use super::curve::AnalysedCurve;
+use super::pairs::PairedCurves;
 use super::record::means;
 use crate::analysis::curve::Analysis;
-use crate::output::figure::{Figure, FigureError, Measured, measured};
+use crate::output::figure::{self, DrawnLoops, Figure, FigureError, Measured, measured};
 use crate::output::page::metric_words;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,10 +17,40 @@ pub(super) fn names(all: &[AnalysedCurve]) -> Vec<String> {
     let several = all.iter().any(|read| read.file != all[0].file);
     let titles =
         all.iter().map(|read| if several { read.title() } else { read.curve.name.clone() });
-    file_names(titles)
+    file_names("trace", titles)
 }
 
-fn file_names(titles: impl Iterator<Item = String>) -> Vec<String> {
+/// Names of the figures of pairs.
+pub(super) fn loop_names<'a>(
+    all: &[AnalysedCurve],
+    pairs: impl Iterator<Item = &'a PairedCurves>,
+) -> Vec<String> {
+    let several = all.iter().any(|read| read.file != all[0].file);
+    file_names(
+        "loop",
+        pairs.map(
+            |pair| {
+                if several { pair.title(all) } else { all[pair.motion].curve.name.clone() }
+            },
+        ),
+    )
+}
+
+/// The figure of a pair.
+pub(in crate::experiment) fn loops(
+    all: &[AnalysedCurve],
+    pair: &PairedCurves,
+) -> Result<Figure, FigureError> {
+    let [calcium, motion] = [&all[pair.calcium].curve, &all[pair.motion].curve];
+    figure::loops(&DrawnLoops {
+        title: &pair.title(all),
+        calcium: (calcium.kind, calcium.unit),
+        motion: motion.kind,
+        paired: &pair.paired,
+    })
+}
+
+fn file_names(start: &str, titles: impl Iterator<Item = String>) -> Vec<String> {
     let mut taken = BTreeSet::new();
     // The number that the next curve of a name gets.
     let mut next = BTreeMap::<String, usize>::new();
@@ -28,7 +59,7 @@ fn file_names(titles: impl Iterator<Item = String>) -> Vec<String> {
     };
     let name = |title: String| {
         let name: String = title.chars().map(safe).take(LONGEST_NAME).collect();
-        let name = format!("trace_{}", name.trim_matches(['_', '.']));
+        let name = format!("{start}_{}", name.trim_matches(['_', '.']));
         let number = next.entry(name.to_lowercase()).or_insert(1);
         let mut own = name.clone();
         while !taken.insert(own.to_lowercase()) {

@@ -1,13 +1,15 @@
 //! `report.html` of analysed curves.
 
 use super::curve::AnalysedCurve;
-use super::record::{KEY, Mean, conventions, means};
+use super::figures;
+use super::pairs::PairedCurves;
+use super::record::{KEY, Mean, conventions, means, means_of};
 use crate::analysis::curve::{Analysis, CurveBeat, State};
 use crate::experiment::legible::number;
 use crate::output::figure::Measured;
 use crate::output::page::{
-    self, Answer, Chart, Column, Look, Page, PageError, Part, Quality, Row, Section, Table,
-    TableCell, Tile, VerdictMark, metric_words,
+    self, Answer, Chart, Column, Drawing, Look, Page, PageError, Part, Quality, Row, Section,
+    Table, TableCell, Tile, VerdictMark, metric_words,
 };
 use std::collections::BTreeSet;
 
@@ -15,9 +17,15 @@ use std::collections::BTreeSet;
 const DRAWN: usize = 40;
 /// Rows of a table of all curves or all beats, at most.
 const ROWS: usize = 1000;
+/// Pairs that are drawn, at most.
+const PAIRS: usize = 12;
 
 /// The page.
-pub(super) fn html(all: &[AnalysedCurve], warnings: Vec<String>) -> Result<String, PageError> {
+pub(super) fn html(
+    all: &[AnalysedCurve],
+    pairs: &[PairedCurves],
+    warnings: Vec<String>,
+) -> Result<String, PageError> {
     let several = files(all).len() > 1;
     let found = all.iter().filter_map(|read| {
         Some(Found { name: name(read, several), read, analysis: read.found.as_ref().ok()? })
@@ -32,6 +40,9 @@ pub(super) fn html(all: &[AnalysedCurve], warnings: Vec<String>) -> Result<Strin
             hint: "Mean \u{b1} SD over the beats that count.".to_owned(),
             ..Section::new("all", "All curves", vec![Part::Table(by_curve(all, several))])
         }),
+    }
+    if !pairs.is_empty() {
+        sections.push(together(all, pairs)?);
     }
     sections.push(curves(&found));
     sections.push(numbers(&found));
@@ -163,6 +174,47 @@ fn by_curve(all: &[AnalysedCurve], several: bool) -> Table {
         columns,
         rows: all.iter().take(ROWS).map(row).collect(),
     }
+}
+
+/// Calcium and motion of the same beats: loops and numbers.
+fn together(all: &[AnalysedCurve], pairs: &[PairedCurves]) -> Result<Section<'static>, PageError> {
+    let mut parts = Vec::new();
+    for pair in pairs.iter().take(PAIRS) {
+        let title = pair.title(all);
+        if pair.paired.mean_loop.is_some() {
+            let words = format!(
+                "{title}: calcium and motion of each beat over time, and the loop of motion over calcium, {}",
+                pair.paired.direction.words()
+            );
+            parts.push(Part::Figure(Drawing::new(&figures::loops(all, pair)?, &words)?));
+        }
+        let row = |mean: Mean| {
+            let note = mean.missing.map_or_else(String::new, |why| why.words().to_owned());
+            Row::from(vec![
+                TableCell::term(metric_words(mean.name), mean.definition),
+                TableCell { unit: String::new(), note, ..cell(&mean) },
+                TableCell::text(mean.unit),
+                TableCell::number(Some(mean.beats as f64)),
+            ])
+        };
+        parts.push(Part::Table(Table {
+            caption: title,
+            columns: vec![
+                Column::text("quantity"),
+                Column::of("number", "mean \u{b1} SD"),
+                Column::of("unit", "unit"),
+                Column::of("number", "beats"),
+            ],
+            rows: means_of(&pair.paired.counted()).into_iter().map(row).collect(),
+            ..Table::default()
+        }));
+    }
+    Ok(Section {
+        hint: "Calcium and motion of the same beats. A counter-clockwise loop: the motion follows calcium. `pairs.csv` has \
+            each beat, `loops.csv` the loops."
+            .to_owned(),
+        ..Section::new("pairs", "Calcium and motion", parts)
+    })
 }
 
 fn curves(found: &[Found<'_>]) -> Section<'static> {

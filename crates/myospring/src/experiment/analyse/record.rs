@@ -1,8 +1,10 @@
 //! What was read of curves, in numbers.
 
 use super::curve::AnalysedCurve;
+use super::pairs::PairedCurves;
 use crate::analysis::curve::{Analysis, CurveBeat, Treatment};
-use crate::analysis::{self, Missing, Spread};
+use crate::analysis::paired::{Direction, PairedBeat};
+use crate::analysis::{self, Metric, Missing, Spread, beat_to_beat};
 use crate::experiment::legible::number;
 use serde::Serialize;
 
@@ -58,6 +60,37 @@ pub struct AnalysisRecord<'a> {
     version: &'static str,
     notes: &'a [String],
     curves: Vec<CurveRecord<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pairs: Vec<PairRecord<'a>>,
+}
+
+/// Calcium and a motion of the same beats.
+#[derive(Serialize)]
+struct PairRecord<'a> {
+    calcium: CurveName<'a>,
+    motion: CurveName<'a>,
+    /// Unit of the motion in the loops.
+    motion_unit: &'static str,
+    direction: Direction,
+    remarks: &'a [String],
+    metrics: Vec<Mean>,
+    mean_loop: Option<LoopRecord<'a>>,
+    beats: &'a [PairedBeat],
+}
+
+#[derive(Serialize)]
+struct CurveName<'a> {
+    file: &'a str,
+    curve: &'a str,
+    kind: &'static str,
+    unit: &'a str,
+}
+
+#[derive(Serialize)]
+struct LoopRecord<'a> {
+    times_ms: &'a [f64],
+    calcium: &'a [f64],
+    motion: &'a [f64],
 }
 
 #[derive(Serialize)]
@@ -100,19 +133,24 @@ pub struct Mean {
 
 /// The metrics of a curve over the beats that count, in the order of reading.
 pub fn means(analysis: &Analysis) -> Vec<Mean> {
-    let spread = analysis.spread();
-    let beats = analysis.counted();
+    means_of(&analysis.counted())
+}
+
+/// The metrics of some beats over all of them, in the order of reading.
+pub fn means_of(beats: &[Vec<Metric>]) -> Vec<Mean> {
+    let spread = beat_to_beat(beats);
     let mut means: Vec<Mean> = Vec::new();
     for metric in beats.iter().flatten() {
         if means.iter().any(|mean| mean.name == metric.name) {
             continue;
         }
         let of: Option<&Spread> = spread.iter().find(|spread| spread.name == metric.name);
-        let shown =
-            beats.iter().filter(|beat| analysis::value(beat, metric.name).is_some()).count();
+        let values: Vec<f64> =
+            beats.iter().filter_map(|beat| analysis::value(beat, metric.name)).collect();
+        let shown = values.len();
         means.push(Mean {
             name: metric.name,
-            mean: analysis.mean(metric.name),
+            mean: (shown > 0).then(|| values.iter().sum::<f64>() / shown as f64),
             standard_deviation: of.map(|spread| spread.standard_deviation),
             beats: shown,
             unit: metric.unit,
@@ -126,7 +164,11 @@ pub fn means(analysis: &Analysis) -> Vec<Mean> {
 }
 
 impl<'a> AnalysisRecord<'a> {
-    pub(super) fn of(all: &'a [AnalysedCurve], notes: &'a [String]) -> Self {
+    pub(super) fn of(
+        all: &'a [AnalysedCurve],
+        pairs: &'a [PairedCurves],
+        notes: &'a [String],
+    ) -> Self {
         let curves = all.iter().map(|read| {
             let found = read.found.as_ref();
             CurveRecord {
@@ -143,7 +185,30 @@ impl<'a> AnalysisRecord<'a> {
                 beats: found.map_or(&[], |analysis| &analysis.beats),
             }
         });
-        Self { version: env!("CARGO_PKG_VERSION"), notes, curves: curves.collect() }
+        let name = |at: usize| {
+            let AnalysedCurve { file, curve, .. } = &all[at];
+            CurveName { file, curve: &curve.name, kind: curve.kind.word(), unit: curve.unit }
+        };
+        let pairs = pairs.iter().map(|PairedCurves { calcium, motion, paired }| PairRecord {
+            calcium: name(*calcium),
+            motion: name(*motion),
+            motion_unit: paired.motion_unit,
+            direction: paired.direction,
+            remarks: &paired.remarks,
+            metrics: means_of(&paired.counted()),
+            mean_loop: paired.mean_loop.as_ref().map(|mean| LoopRecord {
+                times_ms: &mean.times_ms,
+                calcium: &mean.calcium,
+                motion: &mean.motion,
+            }),
+            beats: &paired.beats,
+        });
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            notes,
+            curves: curves.collect(),
+            pairs: pairs.collect(),
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! One cell, ready to be fitted: the way of every fit, whether its curve comes from a table, a film or an array.
 
+use super::calcium::DrivingCalcium;
 use super::curves::{self, Named};
 use super::models::{Driven, Models};
 use super::simulation::simulation;
@@ -7,7 +8,9 @@ use super::words;
 use crate::cell::CellModel as _;
 use crate::cell::given_tension::GivenTension;
 use crate::experiment::{BeatOptions, ExperimentError, Observer};
-use crate::fit::{self, Fit, FitError, FitOptions, FitSettings, Fitter, Loaded, Observed};
+use crate::fit::{
+    self, Fit, FitError, FitOptions, FitSettings, Fitter, Loaded, Observed, RecordedCourse,
+};
 use crate::interruption::Interruption;
 use crate::measured::Curve;
 use crate::settings::{MeshedRun, Run};
@@ -17,6 +20,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Starts of each model while several are tried; the one that is taken has all that were asked for.
 const STARTS: usize = 4;
+/// What is added to the name of a model that recorded calcium drives.
+const MEASURED: &str = ", measured calcium";
 /// Steps of the progress of all fits.
 const STEPS: f64 = 1000.0;
 
@@ -30,6 +35,10 @@ pub struct FittableCell {
     beats: BeatOptions,
     /// Curves of the same cell between springs.
     loaded: Vec<Loaded>,
+    /// Of curves in arbitrary units, %.
+    peak_shortening_pct: Option<f64>,
+    /// Calcium that was recorded together with the only curve.
+    calcium: Option<DrivingCalcium>,
 }
 
 /// The cell with one cell model.
@@ -37,6 +46,8 @@ pub(super) struct Candidate {
     pub(super) run: Run,
     pub(super) fitter: Fitter,
     settings: FitSettings,
+    /// Whether the recorded calcium drives it.
+    driven: bool,
 }
 
 /// A cell and its fit, or why there is none.
@@ -56,11 +67,26 @@ impl Candidate {
     ) -> Result<Self, ExperimentError> {
         let settings = sought.settings(&*fitter.simulation().cell, loaded);
         let settings = settings.map_err(|error| not_sought(error, sought))?;
-        Ok(Self { run, fitter, settings })
+        Ok(Self { run, fitter, settings, driven: false })
     }
 
-    fn model(&self) -> &str {
-        self.fitter.simulation().cell.name()
+    /// The same cell, driven by calcium that was recorded; `None` if its model takes no calcium or has its own from a table.
+    fn driven(&self, calcium: &DrivingCalcium) -> Option<Result<Self, ExperimentError>> {
+        if self.run.calcium.is_some() || self.fitter.seeks_tension() {
+            return None;
+        }
+        let simulation = self.fitter.simulation();
+        let cell = simulation.cell.with_calcium(&calcium.trace)?;
+        let fitter = self.fitter.beside(Simulation { cell, ..simulation.clone() });
+        let (run, settings) = (self.run.clone(), self.settings.clone());
+        let driven = |fitter| Self { run, fitter, settings, driven: true };
+        Some(fitter.map(driven).map_err(ExperimentError::from))
+    }
+
+    /// Its cell model, and what drives it.
+    fn model(&self) -> String {
+        let name = self.fitter.simulation().cell.name();
+        if self.driven { format!("{name}{MEASURED}") } else { name.to_owned() }
     }
 }
 
@@ -74,13 +100,14 @@ impl FittableCell {
         made: MeshedRun,
         models: Models,
         sought: &FitOptions,
-        (beats, loaded): (BeatOptions, Vec<Loaded>),
+        (beats, loaded, calcium): (BeatOptions, Vec<Loaded>, Option<DrivingCalcium>),
     ) -> Result<Self, ExperimentError> {
         let MeshedRun { simulation, report, .. } = made;
         let with = |run, fitter: Result<Fitter, FitError>| {
             Candidate::new(run, fitter?, sought, !loaded.is_empty())
         };
         let mut refused = Vec::new();
+        let of_run = matches!(models, Models::OfRun);
         let candidates = match models {
             Models::OfRun => vec![with(run, Fitter::new(simulation))?],
             Models::Tension => vec![with(run, Fitter::of_tension(simulation))?],
@@ -109,7 +136,9 @@ impl FittableCell {
                 candidates
             }
         };
-        Ok(Self { candidates, refused, spacing_um: report.spacing_um, beats, loaded })
+        let (candidates, calcium) = with_calcium(candidates, calcium, of_run)?;
+        let (spacing_um, peak_shortening_pct) = (report.spacing_um, sought.peak_shortening_pct);
+        Ok(Self { candidates, refused, spacing_um, beats, loaded, peak_shortening_pct, calcium })
     }
 
     /// The cell with the model of a fit.
@@ -150,7 +179,7 @@ impl FittableCell {
                 !interruption.is_requested()
             };
             let fitted = |curve: &Curve| {
-                let all = self.with_loaded(curves::observed(curve, &self.beats)?);
+                let all = self.with_loaded(self.observed(curve)?);
                 threads.install(|| self.fit_one(&all, &slow, &interruption, &goes_on))
             };
             let found = match curve {
@@ -158,7 +187,7 @@ impl FittableCell {
                 Err(error) => Err(error.clone()),
             };
             let found = match found {
-                Ok(Some(fit)) => Ok(fit),
+                Ok(Some(fit)) => Ok(fit.with_peak(self.peak_shortening_pct)),
                 Ok(None) => break,
                 Err(error) if count == 1 => return Err(error),
                 Err(error) => Err(error),
@@ -183,7 +212,8 @@ impl FittableCell {
         let fit = |number: usize, candidate: &Candidate, settings: &FitSettings| {
             let part = |part: f64| goes_on((number as f64 + part) / works as f64);
             let fitter = candidate.fitter.interrupted_by(interruption.clone());
-            fitter.fit_loaded(curves, settings, &part)
+            let found = fitter.fit_loaded(&self.seen_by(candidate, curves), settings, &part)?;
+            Ok::<_, FitError>(found.map(|fit| self.told_of(candidate, fit)))
         };
         if !several {
             return Ok(fit(0, self.first(), &self.first().settings)?);
@@ -200,7 +230,7 @@ impl FittableCell {
                     Err(error) => Err(error.into()),
                 },
             };
-            fits.push((candidate.model().to_owned(), found));
+            fits.push((candidate.model(), found));
         }
         fits.extend(self.refused.iter().map(|(name, error)| (name.clone(), Err(error.clone()))));
         let (taken, tried) = fit::simplest(&fits);
@@ -211,6 +241,26 @@ impl FittableCell {
             None => fit(count, &self.candidates[taken], &self.candidates[taken].settings)?,
         };
         Ok(whole.map(|fit| fit.among(tried)))
+    }
+
+    /// The curves as a model is fitted to them: for one that recorded calcium drives, the first has the clock of calcium.
+    fn seen_by(&self, candidate: &Candidate, curves: &[Loaded]) -> Vec<Loaded> {
+        let mut curves = curves.to_vec();
+        if let (true, Some(calcium), Some(first)) =
+            (candidate.driven, &self.calcium, curves.first_mut())
+        {
+            first.observed.stimuli = calcium.stimuli.clone();
+        }
+        curves
+    }
+
+    /// A fit with the name of its model and the calcium that was recorded.
+    fn told_of(&self, candidate: &Candidate, fit: Fit) -> Fit {
+        let calcium = self
+            .calcium
+            .as_ref()
+            .map(|calcium| RecordedCourse { drives: candidate.driven, ..calcium.course.clone() });
+        Fit { model: candidate.model(), calcium, ..fit }
     }
 
     /// The run that beats like a fitted cell, and the spacing of its mesh, um.
@@ -231,7 +281,7 @@ impl FittableCell {
         observer: &dyn Observer,
     ) -> Vec<Option<String>> {
         // A curve without a beat says so later.
-        let first = |curve: &Named| curves::observed(curve.1.as_ref().ok()?, &self.beats).ok();
+        let first = |curve: &Named| self.observed(curve.1.as_ref().ok()?).ok();
         let curve = curves.iter().find_map(first).map(|observed| self.with_loaded(observed));
         let takes = |candidate: &Candidate| {
             let Candidate { fitter, settings, .. } = candidate;
@@ -241,7 +291,7 @@ impl FittableCell {
         let of = |candidate: &Candidate| {
             let one = takes(candidate)?;
             if models > 1 {
-                return Some(words::too_slow(candidate.model()));
+                return Some(words::too_slow(&candidate.model()));
             }
             observer.note(&words::will_take(one, curves.len(), threads.count()));
             None
@@ -249,10 +299,35 @@ impl FittableCell {
         self.candidates.iter().map(of).collect()
     }
 
+    fn observed(&self, curve: &Curve) -> Result<Observed, FitError> {
+        curves::observed(curve, &self.beats, self.peak_shortening_pct)
+    }
+
     fn with_loaded(&self, observed: Observed) -> Vec<Loaded> {
         let support = self.first().fitter.simulation().support;
         [Loaded { support, observed }].into_iter().chain(self.loaded.iter().cloned()).collect()
     }
+}
+
+/// The models that are fitted where calcium was recorded: that of the run is driven by it (`of_run`); of several, each that takes calcium
+/// is added once more. Models of which none takes it leave it out, unless only one was asked for.
+fn with_calcium(
+    mut candidates: Vec<Candidate>,
+    calcium: Option<DrivingCalcium>,
+    of_run: bool,
+) -> Result<(Vec<Candidate>, Option<DrivingCalcium>), ExperimentError> {
+    let Some(calcium) = calcium else { return Ok((candidates, None)) };
+    let driven = candidates.iter().filter_map(|candidate| candidate.driven(&calcium));
+    let driven: Vec<Candidate> = driven.collect::<Result<_, _>>()?;
+    if of_run && !driven.is_empty() {
+        candidates = driven;
+    } else {
+        // Before the tension itself, which comes last.
+        let place = candidates.iter().position(|it| it.fitter.seeks_tension());
+        let place = place.unwrap_or(candidates.len());
+        candidates.splice(place..place, driven);
+    }
+    Ok((candidates, Some(calcium)))
 }
 
 fn not_sought(error: FitError, asked: &FitOptions) -> ExperimentError {

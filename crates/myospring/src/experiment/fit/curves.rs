@@ -1,5 +1,6 @@
 //! The curves that cells are fitted to.
 
+use crate::analysis::kind::Family;
 use crate::experiment::tables::tables;
 use crate::experiment::{BeatOptions, ExperimentError, Files};
 use crate::fit::{FitError, Loaded, Observed, of_each_cell};
@@ -10,6 +11,9 @@ use std::path::PathBuf;
 
 /// A curve by its name, or why it cannot be read.
 pub type Named = (String, Result<Curve, ExperimentError>);
+
+/// The curves that are fitted, the curves of calcium beside them, and the assumptions.
+pub(super) type CurvesOfTables = (Vec<Named>, Vec<Curve>, Vec<String>);
 
 /// The curves of a table that are fitted, one for each cell, and the assumptions.
 pub fn of_table(table: Table, options: &TableOptions) -> (Vec<Curve>, Vec<String>) {
@@ -22,15 +26,16 @@ pub fn of_table(table: Table, options: &TableOptions) -> (Vec<Curve>, Vec<String
     (curves, notes)
 }
 
-/// The curves of files and folders, and the assumptions. If one of several files cannot be read, it
+/// The curves of files and folders, the curves of calcium beside them, and the assumptions. If one of several files cannot be read, it
 /// counts as a cell that cannot be fitted.
 pub(super) fn of_tables(
     paths: &[PathBuf],
     options: &TableOptions,
     files: &Files,
-) -> Result<(Vec<Named>, Vec<String>), ExperimentError> {
+) -> Result<CurvesOfTables, ExperimentError> {
     let paths = tables(paths)?;
     let (mut curves, mut notes): (Vec<Named>, _) = (Vec::new(), Vec::new());
+    let mut calcium = Vec::new();
     let several = paths.len() > 1;
     for path in &paths {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -42,6 +47,11 @@ pub(super) fn of_tables(
             }
             Err(error) => return Err(error.into()),
         };
+        let (own, others): (Vec<Curve>, Vec<Curve>) =
+            table.curves.into_iter().partition(|curve| curve.kind.family() == Family::Calcium);
+        let curves_of_table = if others.is_empty() { own.clone() } else { others };
+        calcium.extend(own);
+        let table = Table { curves: curves_of_table, notes: table.notes };
         let (taken, more) = of_table(table, options);
         notes.extend(more.iter().map(|note| format!("{}: {note}", path.display())));
         for mut curve in taken {
@@ -57,7 +67,7 @@ pub(super) fn of_tables(
         let many = format!("none of {} files can be read as a table of curves", curves.len());
         return Err(ExperimentError::new(many).also(&error.to_string()));
     }
-    Ok((curves, notes))
+    Ok((curves, calcium, notes))
 }
 
 /// A curve of the cell between two springs, such as carbon fibres.
@@ -105,7 +115,7 @@ pub fn between_springs(
             "--loaded: {stiffness} nN/um; it must be {words}"
         )));
     }
-    let mut observed = observed(curve, beats)?;
+    let mut observed = observed(curve, beats, None)?;
     observed.name = format!("{stiffness} nN/um");
     Ok(Loaded { support: SupportKind::SpringHeldEnds { stiffness }, observed })
 }
@@ -114,7 +124,11 @@ pub fn between_springs(
 ///
 /// # Errors
 /// Those of [`Observed::of`].
-pub(super) fn observed(curve: &Curve, beats: &BeatOptions) -> Result<Observed, FitError> {
+pub(super) fn observed(
+    curve: &Curve,
+    beats: &BeatOptions,
+    peak_shortening_pct: Option<f64>,
+) -> Result<Observed, FitError> {
     let stimuli = beats.within(curve).stimuli_ms;
-    Observed::of(curve, (!stimuli.is_empty()).then_some(stimuli.as_slice()))
+    Observed::of(curve, (!stimuli.is_empty()).then_some(stimuli.as_slice()), peak_shortening_pct)
 }

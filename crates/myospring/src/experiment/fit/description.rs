@@ -1,5 +1,6 @@
 //! What is fitted, to what, and how.
 
+use super::calcium::RecordedCalcium;
 use super::curves::EndSprings;
 use crate::experiment::BeatOptions;
 use crate::experiment::input::ChosenSetting;
@@ -24,6 +25,8 @@ pub struct FitCell {
     pub beats: BeatOptions,
     /// Curves of the same cell between springs.
     pub loaded: Vec<EndSprings>,
+    /// Calcium that was recorded together with the curve.
+    pub calcium: RecordedCalcium,
     /// Which numbers are fitted.
     pub sought: FitOptions,
     /// Threads of the fits; `None` takes as many as there are cores.

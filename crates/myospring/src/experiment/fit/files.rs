@@ -1,15 +1,18 @@
 //! The files of fits.
 
+use super::calcium;
 use super::cell::{Candidate, FittedCell};
 use super::outcome::{Fits, Shared, Work};
 use super::page;
 use super::shapes::{self, Shapes};
 use super::simulation::simulation;
 use super::tables;
+use crate::experiment::analyse::csv;
+use crate::experiment::analyse::figures::loops;
 use crate::experiment::run::{FILE, resolved};
 use crate::experiment::tension_map::{self, FilmMap};
 use crate::experiment::{ExperimentError, Folder, Inputs, Observer};
-use crate::fit::{Fit, TENSION_FILE};
+use crate::fit::{Fit, RecordedCourse, TENSION_FILE};
 use crate::integrate::quasi_static::Tolerance;
 use crate::output::figure::{self, Theme};
 use crate::output::json;
@@ -109,6 +112,16 @@ impl Shared<'_> {
                     .write(&format!("{within}mean_beat.csv"), tables::mean_beat(beat).to_csv()?)?;
             }
         }
+        if let Some(calcium) = fit.calcium.as_ref().filter(|calcium| calcium.drives) {
+            let table = tables::calcium(calcium);
+            folder.write(&format!("{within}{}", RecordedCourse::FILE), table.to_csv()?)?;
+        }
+        let together = calcium::with_tension(fit);
+        if let Some((curves, pair)) = &together {
+            let pair = std::slice::from_ref(pair);
+            folder.write(&format!("{within}pairs.csv"), csv::pairs(curves, pair)?)?;
+            folder.write(&format!("{within}loops.csv"), csv::loops(curves, pair)?)?;
+        }
         let Candidate { run, fitter, .. } = work.cell.of(fit);
         let run = Run { shape: self.run.shape.clone(), ..run.clone() };
         let run = fitter.fitted(run, fit)?;
@@ -124,6 +137,11 @@ impl Shared<'_> {
         if let Some(drawn) = tables::drawn_tension(fit) {
             let figure = figure.replacen("fit", "tension", 1);
             folder.figures(Theme::Light, &[(&figure, &|| figure::tension(&drawn))], observer)?;
+        }
+        if let Some((curves, pair)) = &together {
+            let figure = figure.replacen("fit", "loop", 1);
+            let draw = || loops(curves, pair);
+            folder.figures(Theme::Light, &[(&figure, &draw)], observer)?;
         }
         // One path of equilibria serves all cells of the same material; that of a fitted stiffness is another.
         let path = path.as_ref().filter(|(_, material)| **material == simulation.material);

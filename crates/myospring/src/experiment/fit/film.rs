@@ -10,6 +10,7 @@ use crate::experiment::track::{Followed, Track, TrackReport};
 use crate::experiment::{ExperimentError, Files, Folder, Observer};
 use crate::measured::{Column, Curve, TableOptions};
 use crate::microscopy::outlines::{NamedOutline, write_geojson};
+use crate::output::json;
 use crate::output::track::{self as table, TrackRow};
 use crate::settings::{Run, Shaped, Source};
 use std::path::{Path, PathBuf};
@@ -35,8 +36,7 @@ pub struct FollowedFilm {
     pub path: PathBuf,
     /// The cell and its motion.
     pub followed: Arc<Followed>,
-    rows: Vec<TrackRow>,
-    warnings: Vec<String>,
+    report: TrackReport,
 }
 
 impl FitCell {
@@ -83,15 +83,15 @@ impl FitCell {
         let track = self.track(path, settings);
         track.check(files)?;
         let followed = track.follow(files, observer)?;
-        let TrackReport { rows, warnings, .. } = TrackReport::of(path, &followed);
-        Ok(FollowedFilm { path: path.to_owned(), rows, warnings, followed: Arc::new(followed) })
+        let report = TrackReport::of(path, &followed);
+        Ok(FollowedFilm { path: path.to_owned(), report, followed: Arc::new(followed) })
     }
 }
 
 impl FollowedFilm {
     /// Warnings about its curve.
     pub fn warnings(&self) -> &[String] {
-        &self.warnings
+        &self.report.warnings
     }
 
     /// Its curve, only the part that counts.
@@ -115,7 +115,7 @@ impl FollowedFilm {
             return Err(ExperimentError::new(format!("--columns: a film has no `{wanted}`"))
                 .advise(format!("it has {known}")));
         };
-        let points = self.rows.iter().filter_map(|row| Some((row.t_ms, read(row)?)));
+        let points = self.report.rows.iter().filter_map(|row| Some((row.t_ms, read(row)?)));
         let (times_ms, values): (Vec<f64>, Vec<f64>) = points.unzip();
         let lines = (0..times_ms.len() as u64).map(|row| row + 2).collect();
         let stimuli_ms = Vec::new();
@@ -137,7 +137,8 @@ impl FollowedFilm {
         own: Option<&mut Run>,
     ) -> Result<(), ExperimentError> {
         let within = |file: &str| format!("{FOLDER}/{file}");
-        folder.write(&within("track.csv"), table::to_csv(&self.rows)?)?;
+        folder.write(&within("track.csv"), table::to_csv(&self.report.rows)?)?;
+        folder.write(&within("track.json"), json::for_people(&self.report)?)?;
         folder.write(&within("rest.tif"), &*self.followed.rest_picture)?;
         let outline = self.followed.shaped.outline.clone();
         let outline = NamedOutline { name: name.to_owned(), outline };

@@ -2,10 +2,13 @@
 
 use super::outcome::{Fits, Shared};
 use super::shapes::Shapes;
-use super::{tables, words};
+use super::{calcium, tables, words};
 use crate::analysis::summary::Summary;
 use crate::cell::CellModel;
+use crate::experiment::analyse::figures::loops;
+use crate::experiment::analyse::means_of;
 use crate::experiment::run::parameters;
+use crate::experiment::tension_map::FilmMap;
 use crate::experiment::{ExperimentError, citations};
 use crate::fit::{Estimate, Fit, FitVerdict, OF_OWN_TENSION, Unknown};
 use crate::output::field::Field;
@@ -61,10 +64,12 @@ pub(super) fn html(
         let (times_ms, stimuli_ms) = (moved(drawn.times_ms), moved(drawn.stimuli_ms));
         charts.insert(0, Chart::of_tension(&DrawnTension { times_ms, stimuli_ms, ..drawn }));
     }
-    charts.extend(fits.shapes.iter().map(Shapes::chart));
-    let mut sections =
-        vec![numbers(fit, model), runs.beat(Field::default(), charts), certainty(fit, &fits.notes)];
+    charts.extend(fits.shapes.iter().filter_map(Shapes::chart));
+    let mut sections = vec![numbers(fit, model), runs.beat(Field::default(), charts)];
+    sections.extend(fits.shapes.as_ref().and_then(laid_over));
+    sections.push(certainty(fit, &fits.notes));
     sections.extend(models(fit));
+    sections.extend(with_calcium(fit)?);
     sections.extend(figures(fits));
     sections.extend(runs.record());
     let quality = match fit.verdict {
@@ -103,6 +108,31 @@ fn numbers(fit: &Fit, model: &dyn CellModel) -> Section<'static> {
         }
     });
     Section::new("key", "Fitted numbers", vec![Part::Tiles(tiles.collect())])
+}
+
+/// The loop of the tension that the curve needs over the calcium that was recorded with it.
+fn with_calcium(fit: &Fit) -> Result<Option<Section<'static>>, ExperimentError> {
+    let Some((curves, pair)) = calcium::with_tension(fit) else { return Ok(None) };
+    if pair.paired.mean_loop.is_none() {
+        return Ok(None);
+    }
+    let words = "Calcium and the tension that the curve needs, over time and over each other";
+    let figure = loops(&curves, &pair).map_err(ExperimentError::new)?;
+    let figure = Drawing::new(&figure, words).map_err(ExperimentError::new)?;
+    let rows = means_of(&pair.paired.counted()).into_iter().map(|mean| {
+        let value = mean.in_words().unwrap_or_default();
+        Row {
+            cells: vec![
+                Entry::term(page::metric_words(mean.name), mean.definition),
+                Entry::text(value),
+            ],
+            ..Row::default()
+        }
+    });
+    let columns = vec![Column::text("quantity"), Column::text("mean \u{b1} SD over beats")];
+    let table = Table { columns, rows: rows.collect(), ..Table::default() };
+    let parts = vec![Part::Figure(figure), Part::Table(table)];
+    Ok(Some(Section::new("calcium", "Tension over calcium", parts)))
 }
 
 /// What each model that was tried leaves of the curve.
@@ -183,9 +213,37 @@ fn figures(fits: &Fits) -> Vec<Section<'static>> {
     };
     let shapes = fits.shapes.as_ref();
     let shapes = shapes
-        .and_then(|it| one("shapes", "The film and the fitted cell", it.figure(), it.words(), &[]));
+        .and_then(|it| one("shapes", "Both cells at their peak", it.figure(), it.words(), &[]));
     let map = fits.map.as_ref();
     let map = map
         .and_then(|it| one("map", "Where the cell pulls", it.figure(), it.words(), it.verdicts()));
-    shapes.into_iter().chain(map).collect()
+    let course = fits.map.as_ref().and_then(over_beat);
+    shapes.into_iter().chain(map).chain(course).collect()
 }
+
+/// The map of tension over a beat.
+fn over_beat(map: &FilmMap) -> Option<Section<'static>> {
+    let words =
+        "One colour scale for all times. The tension of hatched places is not known and not drawn.";
+    let drawing = Drawing::new(&map.beat_figure().ok()??, words).ok()?;
+    let hint = format!("{words} `tension_frames.csv` and `tension_frames.npz` have every frame.");
+    let parts = vec![Part::Figure(drawing)];
+    Some(Section { hint, ..Section::new("map-beat", "Where the cell pulls, over a beat", parts) })
+}
+
+/// The fitted cell over the frames of the film.
+fn laid_over(shapes: &Shapes) -> Option<Section<'static>> {
+    let over = shapes.over_film().ok()??;
+    let words = over.words();
+    let drawing =
+        Drawing::finest(FINENESS.into_iter().map(|sharp| over.figure(sharp)), &words).ok()?;
+    let hint = "Yellow: the cell as it was followed. Blue, dashed: the fitted cell, shifted and rotated as a whole to it. The distance is \
+                that of all points of the two, root mean square; moved is how far the film's cell is from rest. \
+                `figures/overlay.gif` shows the beat, `distances.csv` has every frame."
+        .to_owned();
+    let parts = vec![Part::Figure(drawing), Part::Words(vec![format!("{words}.")])];
+    Some(Section { hint, ..Section::new("film", "The fitted cell over the film", parts) })
+}
+
+/// Pixels of the film per px of the figure on the page, the finest first.
+const FINENESS: [f64; 3] = [1.4, 1.0, 0.6];

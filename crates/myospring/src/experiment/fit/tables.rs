@@ -1,7 +1,9 @@
 //! Fits as tables, and as figures have them.
 
 use super::cell::FittedCell;
-use crate::fit::{self, Estimate, Fit, FitVerdict, Left, MeanBeat, OwnTension, TriedModel};
+use crate::fit::{
+    self, Estimate, Fit, FitVerdict, Left, MeanBeat, OwnTension, RecordedCourse, TriedModel,
+};
 use crate::output::figure::{DrawnFit, DrawnTension, LikelihoodProfile};
 use crate::output::table::{Column, Table, column_name};
 
@@ -75,6 +77,13 @@ pub(super) fn tension(own: &OwnTension) -> Table {
         ("standard_deviation_kPa", &own.standard_deviation_kpa),
     ];
     numbers(&columns)
+}
+
+/// Calcium that drove a model, as a run reads it: time counts from its first sample.
+pub(super) fn calcium(course: &RecordedCourse) -> Table {
+    let first = course.times_ms.first().copied().unwrap_or_default();
+    let since = course.times_ms.iter().map(|time| time - first).collect();
+    numbers(&[("t_ms", &since), ("calcium_uM", &course.calcium_um)])
 }
 
 /// Its mean beat, since the onset.

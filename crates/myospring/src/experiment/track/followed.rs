@@ -119,7 +119,11 @@ impl AtRest {
 
     /// The cell that the settings choose.
     pub(super) fn cell(&self, track: &Track, files: &Files) -> Result<CellShape, ExperimentError> {
-        let shaped = mesh_picture(&self.run, &self.bytes, track.refused.clone(), files)?;
+        let mut shaped = mesh_picture(&self.run, &self.bytes, track.refused.clone(), files)?;
+        let cells = shaped.picture.as_ref().map_or(1, |(cells, _)| cells.len());
+        let all = (cells > 1)
+            .then(|| format!("`myospring track --cell all` follows each of the {cells} cells"));
+        shaped.report.warnings.extend(all);
         CellShape::of(self.run.clone(), shaped)
     }
 

@@ -13,7 +13,7 @@ pub(super) fn analysis(
 ) -> Result<Analysis, CurveError> {
     let stimuli_ms = match stimuli {
         Stimuli::Given(times) => times.clone(),
-        Stimuli::Seen(_) => Vec::new(),
+        Stimuli::Seen(_) | Stimuli::Clocked { .. } => Vec::new(),
     };
     let unit = if kind == Kind::Tension { "kPa" } else { "a.u." };
     analyse(times, values, kind, unit, &CurveOptions { stimuli_ms, ..CurveOptions::default() })

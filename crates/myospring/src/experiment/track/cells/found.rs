@@ -10,6 +10,10 @@ use crate::output::figure::{Figure, FigureError};
 use crate::study::Status;
 use std::sync::Arc;
 
+/// The warning where all cells were asked for and one is found.
+const ONE: &str = "one cell was found in the film. Cells that touch or overlap without a visible border count as one: look at the \
+                   outline in `figures/cells`; if there are several, draw them and give --outline";
+
 /// One of the cells of a film.
 pub struct FilmCell {
     /// Its name: its number by size, or the label or name that a file gives.
@@ -82,14 +86,17 @@ impl TrackedCells {
         self.followed().next().map(|(_, tracked)| &*tracked.report)
     }
 
-    /// The warnings that all cells share: those about the film.
+    /// The warnings about the film: that it shows a single cell, and those that all cells share.
     pub fn common_warnings(&self) -> Vec<String> {
         let Some(first) = self.of_film() else { return Vec::new() };
+        // Of a mask or an outline that was given, the number of cells is known.
+        let single = self.cells.len() == 1 && self.frame.segmentation().is_some();
         let several = self.followed().count() > 1;
         let everywhere = |warning: &&String| {
             several && self.followed().all(|(_, it)| it.report.warnings.contains(warning))
         };
-        first.warnings.iter().filter(everywhere).cloned().collect()
+        let shared = first.warnings.iter().filter(everywhere).cloned();
+        single.then(|| ONE.to_owned()).into_iter().chain(shared).collect()
     }
 
     /// In a sentence: how many cells were followed, and how much they contract.

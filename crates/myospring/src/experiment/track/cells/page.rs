@@ -53,7 +53,9 @@ pub(super) fn html(tracked: &TrackedCells, all: &Table) -> Result<String, Experi
     };
     let sections = vec![
         Section {
-            hint: "Yellow: followed. The names are those of the table.".to_owned(),
+            hint: "Yellow: followed; purple: not followed, the table says why. The names are those of the table. Cells that touch or \
+                   overlap without a visible border count as one: look at the outlines."
+                .to_owned(),
             ..Section::new("cells", "Cells in the frame at rest", vec![Part::Figure(figure)])
         },
         Section { hint, ..Section::new("curves", "Curves", vec![Part::Charts(charts(tracked))]) },
