@@ -90,17 +90,19 @@ def serial(tmp_path_factory, program):
 
 
 class KillsOne:
-    """Kills one of some processes, which the test has started, once a part of a study is done."""
+    """Kills one of some processes, which the test has started, once the first batch of a study is done."""
 
-    def __init__(self, processes) -> None:
-        self.processes = processes
+    def __init__(self, patch, processes) -> None:
         self.killed = None
+        take = _engine.StudyTasks.take
 
-    def __call__(self, _stage: str, done: int, members: int) -> None:
-        if self.killed is None and done > members / 10:
-            assert done < members
-            self.killed = self.processes()[0]
-            os.kill(self.killed, signal.SIGKILL)
+        def and_kill(tasks, answer) -> None:
+            take(tasks, answer)
+            if self.killed is None:
+                self.killed = processes()[0]
+                os.kill(self.killed, signal.SIGKILL)
+
+        patch.setattr(_engine.StudyTasks, "take", and_kill)
 
 
 @pytest.mark.parametrize("name", STUDIES)
@@ -197,14 +199,12 @@ def test_a_killed_study_goes_on_in_python_and_in_the_program(serial, program, tm
     study.has_the_files_of(other)
 
 
-def test_processes_give_the_same_bits_also_where_one_is_killed(serial, tmp_path):
+def test_processes_give_the_same_bits_also_where_one_is_killed(serial, tmp_path, monkeypatch):
     study = serial["cells"]
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(2, mp_context=context) as pool:
-        kills = KillsOne(lambda: list(pool._processes))
-        result = myospring.run_study(
-            study.path, pool, output=tmp_path / "out", batch_seconds=0.5, progress=kills
-        )
+        kills = KillsOne(monkeypatch, lambda: list(pool._processes))
+        result = myospring.run_study(study.path, pool, output=tmp_path / "out", batch_seconds=0.5)
     assert kills.killed is not None
     study.equals(result)
     study.has_the_files_of(tmp_path / "out")
@@ -287,21 +287,18 @@ def test_an_engine_is_given_a_few_batches_at_a_time_of_about_the_time_that_was_a
     assert cells.size(10_000_000, 8) == 12_800 and cells.size(3, 8) == 3
 
 
-def test_dask_gives_the_same_bits_also_where_a_worker_is_killed(serial, tmp_path):
+def test_dask_gives_the_same_bits_also_where_a_worker_is_killed(serial, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed")
     cluster = distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, local_directory=tmp_path
     )
     with cluster, distributed.Client(cluster) as client:
         for name, study in serial.items():
-            kills = KillsOne(lambda: list(client.run(os.getpid).values()))
-            result = myospring.run_study(
-                study.path,
-                client.get_executor(pure=False),
-                output=tmp_path / name,
-                batch_seconds=0.5,
-                progress=kills,
-            )
+            with monkeypatch.context() as patch:
+                kills = KillsOne(patch, lambda: list(client.run(os.getpid).values()))
+                result = myospring.run_study(
+                    study.path, client.get_executor(pure=False), output=tmp_path / name, batch_seconds=0.5
+                )
             assert kills.killed is not None
             study.equals(result)
             study.has_the_files_of(tmp_path / name)
