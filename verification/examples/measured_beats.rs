@@ -12,6 +12,7 @@
 use myospring::analysis::curve::{CurveOptions, analyse};
 use myospring::analysis::kind::Kind;
 use myospring::analysis::value;
+use myospring_verification::random::Random;
 use std::f64::consts::{PI, TAU};
 
 /// Recordings for each row.
@@ -60,7 +61,7 @@ impl Scene {
 
     /// Contraction, a.u., over times, ms.
     fn recording(self, seed: u64) -> (Vec<f64>, Vec<f64>) {
-        let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+        let mut random = Random::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
         let period = 1e3 / self.beats_per_s;
         // Frames fall anywhere between a beat's start and the next.
         let start = (0.3 + 0.5 * random.uniform()) * period;
@@ -116,20 +117,6 @@ const METRICS: [&str; 5] = [
     "maximum_contraction_rate",
 ];
 
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// The sum of twelve uniform numbers is nearly normal.
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
-    }
-}
-
 /// A row: beats found of those there are, and for each metric its bias and its spread from beat to beat, %.
 fn row(name: &str, scene: Scene) {
     let truth = scene.truth();
@@ -139,7 +126,7 @@ fn row(name: &str, scene: Scene) {
         let (times, values_over_time) = scene.recording(seed);
         // Those that begin 100 ms after the recording and reach their peak before its end.
         let period = 1e3 / scene.beats_per_s;
-        let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+        let mut random = Random::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
         let start = (0.3 + 0.5 * random.uniform()) * period;
         there += ((SECONDS * 1e3 - start - RISE) / period).floor() as usize + 1;
         let options = CurveOptions::default();

@@ -14,6 +14,7 @@ use myospring::analysis::curve::{Analysis, CurveOptions, analyse};
 use myospring::analysis::kind::Kind;
 use myospring::analysis::paired::{Direction, Paired, Recorded, pair};
 use myospring::analysis::value;
+use myospring_verification::random::Random;
 
 /// Recordings for each row.
 const RECORDINGS: u64 = 40;
@@ -61,7 +62,7 @@ type Curves = [(Vec<f64>, Vec<f64>); 2];
 
 impl Scene {
     fn curves(self, seed: u64) -> Curves {
-        let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+        let mut random = Random::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
         let start = (0.25 + 0.5 * random.uniform()) * PERIOD_MS;
         let phases = [random.uniform(), random.uniform()];
         let mut curve = |side: usize| {
@@ -103,20 +104,6 @@ impl Scene {
         };
         pair(&recorded(0, Kind::Calcium, "uM", &calcium), &recorded(1, Kind::Length, "um", &length))
             .ok()
-    }
-}
-
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// The sum of twelve uniform numbers is nearly normal.
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 }
 

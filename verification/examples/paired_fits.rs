@@ -18,6 +18,7 @@ use myospring::measured::{Curve, Kind};
 use myospring::run_file::RunFile;
 use myospring::simulation::Simulation;
 use myospring::study::Threads;
+use myospring_verification::random::Random;
 use std::error::Error;
 use std::time::Instant;
 
@@ -43,20 +44,6 @@ fn calcium(t: f64) -> f64 {
     0.09 + (0..5).map(beat).sum::<f64>()
 }
 
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// The sum of twelve uniform numbers is nearly normal.
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
-    }
-}
-
 fn curve(kind: Kind, unit: &'static str, times_ms: Vec<f64>, values: Vec<f64>) -> Curve {
     let (lines, stimuli_ms) = (vec![0; values.len()], Vec::new());
     Curve { name: kind.word().to_owned(), kind, unit, times_ms, values, lines, stimuli_ms }
@@ -71,7 +58,7 @@ struct Cell {
 
 impl Cell {
     fn of(truth: &Fitter, [rate, noise_pct]: [f64; 2], seed: u64) -> Result<Self, Box<dyn Error>> {
-        let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+        let mut random = Random::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
         let factors = [0, 1].map(|_| 1.3_f64.powf(2.0 * random.uniform() - 1.0));
         let step = 1e3 / rate;
         let frames = (LENGTH_MS / step) as usize;

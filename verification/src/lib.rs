@@ -22,6 +22,7 @@ pub mod myokit;
 pub mod oscillator;
 pub mod parts;
 pub mod patch;
+pub mod random;
 pub mod row;
 pub mod sarcomeres;
 pub mod time_order;

@@ -227,3 +227,27 @@ def test_without_a_model_the_simplest_that_follows_the_curve_is_taken() -> None:
     assert other.model == "given_tension" and other.own_tension is not None
     assert "given_tension" in repr(other)
     assert myospring.fit((times, 140 * (1 - 0.05 * part)), cell, model="coelho_2021").tried == []
+
+
+def test_calcium_that_was_recorded_with_the_curve_drives_the_fit_from_arrays_as_from_a_table(tmp_path):
+    cell = myospring.Cell.builtin(spacing_um=5)
+    beat = myospring.simulate(cell, model="land_2017", beats=2, cycle_length_ms=1000, integrator="quasi-static")
+    times, length = beat.t_ms[::5], beat.length_um[::5]
+    of = {name: row.value for name, row in myospring.parameters("land_2017").items()}
+    # The run stimulates at 50 ms.
+    since = np.where(times < 50, np.inf, (times - 50) % 1000)
+    rise, fall = of["tau_Ca_rise"], of["tau_Ca_fall"]
+    shape = np.exp(-since / fall) - np.exp(-since / rise)
+    calcium = of["Ca_rest"] + of["Ca_amplitude"] * shape / shape.max()
+    found = myospring.fit((times, length), cell, model="land_2017", starts=1, recorded_calcium=(times, calcium))
+    recorded = found.recorded_calcium
+    assert recorded is not None and recorded[1].max() == pytest.approx(calcium.max(), rel=0.02)
+    path = tmp_path / "both.csv"
+    rows = [f"{t!r},{ca!r},{um!r}" for t, ca, um in zip(times.tolist(), calcium.tolist(), length.tolist())]
+    path.write_text("\n".join(["time (ms),Ca (uM),length (um)", *rows]) + "\n")
+    of_table = myospring.fit(str(path), cell, model="land_2017", starts=1)
+    assert of_table.parameters == found.parameters
+    with pytest.raises(ValueError, match="not recorded together"):
+        myospring.fit((times, length), cell, model="land_2017", recorded_calcium=(times + 1e6, calcium))
+    with pytest.raises(ValueError, match="both ends of its scale"):
+        myospring.fit((times, length), cell, model="land_2017", recorded_calcium=(times, calcium), calcium_rest_um=0.1)
