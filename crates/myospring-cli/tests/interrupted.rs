@@ -110,16 +110,21 @@ fn a_shell_sees_the_exit_codes_that_are_the_custom() {
 
 #[test]
 fn the_second_signal_ends_a_run_at_once_and_the_next_run_clears_what_it_left() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut child = begun(folder.path());
-    signal(&child, "STOP");
-    // Both are there before the program can answer the first.
-    signal(&child, "INT");
-    signal(&child, "TERM");
-    signal(&child, "CONT");
-    let status = child.wait().unwrap();
-    assert!(status.signal().is_some(), "{status}");
-    assert!(!folder.path().join("results/adult_ventricular").exists());
+    let ended_at_once = || {
+        let folder = tempfile::tempdir().unwrap();
+        let mut child = begun(folder.path());
+        signal(&child, "STOP");
+        // Both are there before the program can answer the first.
+        signal(&child, "INT");
+        signal(&child, "TERM");
+        signal(&child, "CONT");
+        let status = child.wait().unwrap();
+        assert!(status.signal().is_some(), "{status}");
+        let is_saved = folder.path().join("results/adult_ventricular").exists();
+        (!is_saved).then_some(folder)
+    };
+    // Two threads may take a signal each at the same moment; then none is the second.
+    let folder = (0..5).find_map(|_| ended_at_once()).unwrap();
     assert_ne!(parts(folder.path()), [""; 0]);
     let output = command(folder.path(), &SHORT).output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));

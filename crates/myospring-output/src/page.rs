@@ -36,7 +36,7 @@ pub use chart::{Chart, Dot, Series, Side, Span, Tone};
 pub use content::{Answer, Page, Part, Quality, Section};
 pub use error::PageError;
 pub use figure::{Drawing, Thumbnail};
-pub use html::html;
+pub use html::{data_of, html};
 pub use payload::data;
 pub use photograph::Photograph;
 pub use run::{PageRun, ParameterGroup, ParameterRow};

@@ -1,16 +1,27 @@
 //! The engine: holds files and runs, and answers.
 
 use crate::about::About;
-use crate::request::{File, Request, Setup};
+use crate::progress::Told;
+use crate::request::{File, Filmed, Fit, Reading, Request, Setup};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use myospring::compare::{dose, factor};
+use myospring::experiment::analyse::Analyse;
 use myospring::experiment::compare::{Compared, Side};
-use myospring::experiment::run::{BeatCell, FinishedRun, RunSeries};
-use myospring::experiment::{ExperimentError, Files, input};
+use myospring::experiment::fit::FitCell;
+use myospring::experiment::input::ChosenSetting;
+use myospring::experiment::run::{BeatCell, FILE, FinishedRun, OUTPUTS, RunSeries, Style};
+use myospring::experiment::track::Track;
+use myospring::experiment::{Experiment, ExperimentError, Files, Folder, Outcome, input};
+use myospring::fit::FitOptions;
 use myospring::interruption::Interruption;
+use myospring::measured::TableOptions;
+use myospring::microscopy::film::Film;
+use myospring::microscopy::outlines::OutlineFormat;
+use myospring::microscopy::picture::Selection;
 use myospring::output::{csv, page};
-use myospring::settings;
+use myospring::run_file::RunFile;
+use myospring::settings::{self, Value};
 use serde::Serialize;
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
@@ -28,6 +39,8 @@ pub struct Engine {
     /// The last run, and what it is called.
     last: Option<FinishedRun>,
     pinned: Vec<Side>,
+    /// The files of the last results that were saved.
+    results: BTreeMap<String, Vec<u8>>,
 }
 
 /// An answer.
@@ -41,15 +54,40 @@ enum Answer {
     Page(Box<RawValue>),
     /// Labels of doses, the control first.
     Doses(Vec<String>),
+    /// Results: the data of their page, as `report.html` has them, where they have one, and their files.
+    Results {
+        page: Option<Box<RawValue>>,
+        files: Vec<Listed>,
+    },
+    /// What a file holds.
+    Kind(Held),
+    /// Settings by their keys.
+    Settings(BTreeMap<&'static str, Value>),
     /// A file.
     File {
-        name: &'static str,
+        name: String,
         base64: String,
     },
     Error {
         message: String,
         advice: Option<String>,
     },
+}
+
+/// What a file holds whose name does not say it.
+#[derive(Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum Held {
+    Curves,
+    Outline,
+    Film,
+}
+
+/// A file of results.
+#[derive(Serialize)]
+struct Listed {
+    name: String,
+    bytes: usize,
 }
 
 impl From<ExperimentError> for Answer {
@@ -74,9 +112,29 @@ impl Engine {
         match request {
             Request::About => return Ok(Answer::About(About::new())),
             Request::Hold { name } => {
-                self.held.insert(name, bytes.to_vec());
-                self.files = Files::holding(self.held.clone());
+                self.hold([(name, bytes.to_vec())]);
                 return Ok(Answer::Done);
+            }
+            Request::Keep => {
+                self.hold(self.results.clone());
+                return Ok(Answer::Done);
+            }
+            Request::Kind { name } => return self.kind(&name).map(Answer::Kind),
+            Request::Settings { name } => return self.settings_of(&name),
+            Request::Analyse(reading) => return self.analyse(&reading),
+            Request::Track(film) => return self.track(film),
+            Request::Fit(fit) => return self.fit(fit),
+            Request::Open { name } => return self.open(&name),
+            Request::SaveAll => {
+                let folder = Folder::in_memory();
+                let outputs: Vec<_> = OUTPUTS.iter().collect();
+                self.last()?.write(&folder, &outputs, Style::default(), &Told::default())?;
+                return self.finished(&folder, false);
+            }
+            Request::Result { name } => {
+                let unknown = || ExperimentError::new(format!("there is no result `{name}`"));
+                let bytes = self.results.get(&name).ok_or_else(unknown)?;
+                return Ok(file(&name, bytes));
             }
             Request::Doses { text } => {
                 let doses = dose::read(&text).map_err(ExperimentError::new)?;
@@ -95,13 +153,8 @@ impl Engine {
     }
 
     fn run(&mut self, setup: Setup) -> Result<(), ExperimentError> {
-        let chosen = setup.settings.into_iter().map(|(key, value)| {
-            let unknown = || ExperimentError::new(format!("there is no setting `{key}`"));
-            Ok((settings::find(&key).ok_or_else(unknown)?, value))
-        });
-        let chosen: Vec<_> = chosen.collect::<Result<_, ExperimentError>>()?;
-        let file = setup.file.as_deref().map(Path::new);
-        let (name, mut run) = input::settle(file, &chosen, &self.files, &Interruption::default())?;
+        let chosen = chosen(setup.settings)?;
+        let (name, mut run) = input::settle(None, &chosen, &self.files, &Interruption::default())?;
         if let Some((doses, given)) = setup.dose {
             let doses = dose::read(&doses).map_err(ExperimentError::new)?;
             let dose = doses.iter().find(|dose| dose.label == given);
@@ -143,8 +196,113 @@ impl Engine {
             File::Run => ("run.toml", last.run_file().into_bytes()),
             File::Picture => ("overview.png", last.overview()?.to_png(DPI)?),
         };
-        Ok(Answer::File { name, base64: STANDARD.encode(bytes) })
+        Ok(file(name, &bytes))
     }
+
+    fn hold(&mut self, files: impl IntoIterator<Item = (String, Vec<u8>)>) {
+        self.held.extend(files);
+        self.files = Files::holding(self.held.clone());
+    }
+
+    /// What a file holds: a film, an outline, or else a table of curves.
+    fn kind(&self, name: &str) -> Result<Held, ExperimentError> {
+        let path = Path::new(name);
+        let bytes =
+            self.files.bytes(path).map_err(|error| ExperimentError::unread(path, &error))?;
+        let is_outline = OutlineFormat::of(&bytes).is_some();
+        Ok(if Film::read(bytes, &Selection::default()).is_ok() {
+            Held::Film
+        } else if is_outline && self.files.table(path, &TableOptions::default()).is_err() {
+            Held::Outline
+        } else {
+            // The reader of tables says what one that it cannot read lacks.
+            Held::Curves
+        })
+    }
+
+    fn settings_of(&self, name: &str) -> Result<Answer, ExperimentError> {
+        let text = self.files.text(Path::new(name))?;
+        let file = RunFile::from_text(&text).map_err(ExperimentError::new)?;
+        let own = file.values().map(|(key, value)| (key, value.clone()));
+        Ok(Answer::Settings(own.collect()))
+    }
+
+    fn analyse(&mut self, reading: &Reading) -> Result<Answer, ExperimentError> {
+        let paths = vec![reading.name.clone().into()];
+        let (table, beats) = (reading.table()?, reading.beats());
+        self.results_of(&Analyse { paths, table, beats, curves: Vec::new() })
+    }
+
+    fn track(&mut self, film: Filmed) -> Result<Answer, ExperimentError> {
+        let (settings, frame_rate) = (chosen(film.settings)?, film.frame_rate_per_s);
+        self.results_of(&Track { settings, frame_rate, threads: Some(1), ..Track::of(film.name) })
+    }
+
+    fn fit(&mut self, fit: Fit) -> Result<Answer, ExperimentError> {
+        let Fit { curve, settings, free, peak_shortening_pct } = fit;
+        let sought = FitOptions { free, peak_shortening_pct, ..FitOptions::default() };
+        self.results_of(&FitCell {
+            table: curve.table()?,
+            beats: curve.beats(),
+            to: vec![curve.name.into()],
+            settings: chosen(settings)?,
+            sought,
+            threads: Some(1),
+            ..FitCell::default()
+        })
+    }
+
+    /// The results of an experiment, as the program would save them.
+    fn results_of<E: Experiment>(&mut self, experiment: &E) -> Result<Answer, ExperimentError> {
+        let told = Told::default();
+        let outcome = experiment.run(&self.files, &told)?;
+        let folder = Folder::in_memory();
+        outcome.save(&folder, &told)?;
+        self.finished(&folder, true)
+    }
+
+    fn finished(&mut self, folder: &Folder, is_shown: bool) -> Result<Answer, ExperimentError> {
+        self.results = folder.contents();
+        let listed = |(name, content): (&String, &Vec<u8>)| Listed {
+            name: name.clone(),
+            bytes: content.len(),
+        };
+        let files = self.results.iter().map(listed).collect();
+        // Of several cells, the first.
+        let report = || self.results.iter().find(|(name, _)| name.ends_with(FILE));
+        let page = is_shown.then(report).flatten().map(|(name, html)| data(name, html));
+        Ok(Answer::Results { page: page.transpose()?, files })
+    }
+
+    fn open(&self, name: &str) -> Result<Answer, ExperimentError> {
+        let html = self
+            .files
+            .bytes(name)
+            .map_err(|error| ExperimentError::unread(Path::new(name), &error))?;
+        data(name, &html).map(Answer::Page)
+    }
+}
+
+fn file(name: &str, bytes: &[u8]) -> Answer {
+    // A browser saves a file, not a path.
+    let name = name.rsplit('/').next().unwrap_or(name).to_owned();
+    Answer::File { name, base64: STANDARD.encode(bytes) }
+}
+
+/// The data of a report.
+fn data(name: &str, html: &[u8]) -> Result<Box<RawValue>, ExperimentError> {
+    let none = || ExperimentError::new(format!("`{name}` is no report of Myospring"));
+    let html = std::str::from_utf8(html).map_err(|_not_text| none())?;
+    let data = page::data_of(html).ok_or_else(none)?;
+    RawValue::from_string(data.to_owned()).map_err(|_no_data| none())
+}
+
+fn chosen(settings: BTreeMap<String, Value>) -> Result<Vec<ChosenSetting>, ExperimentError> {
+    let chosen = settings.into_iter().map(|(key, value)| {
+        let unknown = || ExperimentError::new(format!("there is no setting `{key}`"));
+        Ok((settings::find(&key).ok_or_else(unknown)?, value))
+    });
+    chosen.collect()
 }
 
 /// A run as it is compared.

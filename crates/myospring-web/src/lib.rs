@@ -9,6 +9,7 @@
 mod about;
 mod engine;
 mod exports;
+mod progress;
 mod request;
 
 pub use engine::Engine;

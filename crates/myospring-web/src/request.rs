@@ -1,5 +1,7 @@
 //! What the page asks.
 
+use myospring::experiment::{BeatOptions, ExperimentError};
+use myospring::measured::{Column, Kind, TableOptions};
 use myospring::settings::Value;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -17,6 +19,36 @@ pub(crate) enum Request {
     },
     /// Simulates a cell and shows it.
     Run(Setup),
+    /// What a file holds that may be a table of curves or an outline.
+    Kind {
+        /// Its name.
+        name: String,
+    },
+    /// The settings of a run file that is held.
+    Settings {
+        /// Its name.
+        name: String,
+    },
+    /// Finds the beats of curves.
+    Analyse(Reading),
+    /// Follows the cell of a film.
+    Track(Filmed),
+    /// Finds the numbers of a cell from a curve or a film.
+    Fit(Fit),
+    /// Shows a report that is held.
+    Open {
+        /// Its name.
+        name: String,
+    },
+    /// Saves all of the last run: figures, films and tables.
+    SaveAll,
+    /// A file of the last results.
+    Result {
+        /// Its name.
+        name: String,
+    },
+    /// Holds the files of the last results, so that settings may name them.
+    Keep,
     /// The labels of the doses of a file of doses.
     Doses {
         /// The file.
@@ -36,9 +68,7 @@ pub(crate) enum Request {
 /// What is simulated.
 #[derive(Deserialize)]
 pub(crate) struct Setup {
-    /// Name of a run file that is held.
-    pub(crate) file: Option<String>,
-    /// Settings by their keys, which override that file's.
+    /// Settings by their keys.
     #[serde(default)]
     pub(crate) settings: BTreeMap<String, Value>,
     /// A file of doses, as `myospring compare --dose` reads it, and which of them is given.
@@ -59,4 +89,71 @@ pub(crate) enum File {
     Run,
     /// `overview.png` of the last run.
     Picture,
+}
+
+/// A table of curves, and how it is read; whatever is absent is detected.
+#[derive(Deserialize)]
+pub(crate) struct Reading {
+    /// Its name.
+    pub(crate) name: String,
+    frame_rate_per_s: Option<f64>,
+    pixel_size_um: Option<f64>,
+    #[serde(default)]
+    columns: Vec<String>,
+    kind: Option<String>,
+    unit: Option<String>,
+    time_unit: Option<String>,
+    from_ms: Option<f64>,
+    until_ms: Option<f64>,
+    stimulus_period_ms: Option<f64>,
+}
+
+impl Reading {
+    pub(crate) fn table(&self) -> Result<TableOptions, ExperimentError> {
+        let unknown = |word: &String| {
+            ExperimentError::new(format!("`{word}` is no kind of curve that is known"))
+        };
+        let of_word = |word: &String| Kind::of_word(word).ok_or_else(|| unknown(word));
+        Ok(TableOptions {
+            frame_rate_per_s: self.frame_rate_per_s,
+            pixel_size_um: self.pixel_size_um,
+            values: self.columns.iter().map(|text| Column::of(text)).collect(),
+            kind: self.kind.as_ref().map(of_word).transpose()?,
+            unit: self.unit.clone(),
+            time_unit: self.time_unit.clone(),
+            from_ms: self.from_ms,
+            until_ms: self.until_ms,
+            ..TableOptions::default()
+        })
+    }
+
+    pub(crate) fn beats(&self) -> BeatOptions {
+        BeatOptions { period_ms: self.stimulus_period_ms, ..BeatOptions::default() }
+    }
+}
+
+/// A film, and what it does not say itself.
+#[derive(Deserialize)]
+pub(crate) struct Filmed {
+    /// Its name.
+    pub(crate) name: String,
+    pub(crate) frame_rate_per_s: Option<f64>,
+    /// Settings of shape, segmentation and fibres by their keys.
+    #[serde(default)]
+    pub(crate) settings: BTreeMap<String, Value>,
+}
+
+/// What is fitted to a curve.
+#[derive(Deserialize)]
+pub(crate) struct Fit {
+    /// The curve.
+    #[serde(flatten)]
+    pub(crate) curve: Reading,
+    /// Settings of the cell by their keys. Without a cell model every one that may serve is tried.
+    pub(crate) settings: BTreeMap<String, Value>,
+    /// What is fitted, if not the usual numbers.
+    #[serde(default)]
+    pub(crate) free: Vec<String>,
+    /// Largest shortening of the cell, %, for a curve in arbitrary units.
+    pub(crate) peak_shortening_pct: Option<f64>,
 }

@@ -26,6 +26,8 @@ export class Engine {
   #known = [];
   /** The last run that was asked for. @type {Request | null} */
   #last = null;
+  /** Is told how far an experiment is. @type {(what: string, done: number, of: number) => void} */
+  onprogress = () => {};
 
   /** @param {WebAssembly.Module} module */
   constructor(module) {
@@ -53,7 +55,10 @@ export class Engine {
     if (request.ask === "run") this.#last = request;
     const answer = await this.#send(request, bytes);
     if (answer.error !== undefined) return answer;
-    if (request.ask === "hold") this.#known.push([request, bytes]);
+    if (request.ask === "hold") {
+      this.#known = this.#known.filter(([known]) => known.ask !== "hold" || known.name !== request.name);
+      this.#known.push([request, bytes]);
+    }
     if (request.ask === "pin" && this.#last !== null) this.#known.push([this.#last, new Uint8Array()], [request, bytes]);
     if (request.ask === "unpin") this.#known = this.#known.filter(([known]) => known.ask === "hold");
     return answer;
@@ -72,7 +77,11 @@ export class Engine {
   #begin() {
     const worker = new Worker(this.#address);
     worker.postMessage({ module: this.#module });
-    worker.addEventListener("message", ({ data: { number, said, panic } }) => {
+    worker.addEventListener("message", ({ data: { progress, number, said, panic } }) => {
+      if (progress !== undefined) {
+        if (worker === this.#worker) this.onprogress(progress.what, progress.done, progress.of);
+        return;
+      }
       const waiting = this.#waiting.get(number);
       this.#waiting.delete(number);
       if (panic === null) {

@@ -73,8 +73,6 @@ export class Form extends EventTarget {
   #rows = [];
   /** Of a shape from a file, which the form does not show. @type {Record<string, Value>} */
   #shape = {};
-  /** @type {string | null} */
-  #file = null;
   #doses = make("textarea", { rows: "9", spellcheck: "false", "aria-label": "Doses" });
   #dose = make("select", { id: "dose", "aria-label": "Dose" });
 
@@ -97,7 +95,7 @@ export class Form extends EventTarget {
 
   /** Whether the shape is one of the page's own, not from a file. */
   get isBuiltIn() {
-    return this.#file === null && Object.keys(this.#shape).length === 0;
+    return Object.keys(this.#shape).length === 0;
   }
 
   /** What differs from the defaults, without the shape of a file. @returns {Kept} */
@@ -114,7 +112,7 @@ export class Form extends EventTarget {
     this.#doses.value = doses ?? this.#about.doses;
     this.#build();
     this.#dose.value = dose;
-    this.#tell();
+    this.tell();
   }
 
   /** @returns {Setup} */
@@ -124,7 +122,7 @@ export class Form extends EventTarget {
     /** @type {Record<string, Value>} */
     const all = this.#numbers.size > 0 ? { ...settings, "cell.parameters": numbers } : settings;
     const given = this.#dose.value;
-    return { file: this.#file, settings: all, dose: given === "" ? null : [this.#doses.value, given], label: this.#label(given) };
+    return { settings: all, dose: given === "" ? null : [this.#doses.value, given], label: this.#label(given) };
   }
 
   /** What is changed, in words. @param {string} dose */
@@ -132,8 +130,8 @@ export class Form extends EventTarget {
     const words = [...this.#changed].map(([key, value]) => (typeof value === "string" && !/\d/.test(value) ? value.replaceAll("_", " ") : `${nameOf(key)} ${value}`));
     words.push(...[...this.#numbers].map(([name, value]) => `${name} ${value}`));
     if (dose !== "") words.push(dose);
-    const cell = this.#shape["shape.picture"] ?? this.#shape["shape.outline"] ?? this.#file;
-    if (cell !== null && cell !== undefined) words.unshift(String(cell));
+    const cell = this.#shape["shape.picture"] ?? this.#shape["shape.outline"];
+    if (cell !== undefined) words.unshift(String(cell));
     return words.length > 0 ? words.join(", ") : "adult ventricular myocyte";
   }
 
@@ -142,16 +140,37 @@ export class Form extends EventTarget {
     return this.#changed.get(key) ?? this.#schema(key)?.default;
   }
 
-  /**
-   * Takes the cell from a file.
-   *
-   * @param {string | null} file A run file.
-   * @param {Record<string, Value>} shape Settings of a shape.
-   */
-  takeShape(file, shape) {
-    [this.#file, this.#shape] = [file, shape];
+  /** Takes the shape of the cell from a file. @param {Record<string, Value>} shape Settings of a shape; none for the built-in one. */
+  takeShape(shape) {
+    this.#shape = shape;
     if (!this.isBuiltIn) this.#changed.delete(SHAPE.key);
-    this.#tell();
+    this.tell();
+  }
+
+  /** Takes all settings of a run file. @param {Record<string, Value>} settings */
+  takeSettings(settings) {
+    const { "cell.parameters": parameters, ...others } = settings;
+    const isOfShape = (/** @type {[string, Value]} */ [key]) => key.startsWith("shape.") && key !== SHAPE.key;
+    this.#shape = Object.fromEntries(Object.entries(others).filter(isOfShape));
+    this.#changed = new Map(Object.entries(others).filter((entry) => !isOfShape(entry)));
+    this.#numbers = new Map(Object.entries(/** @type {Record<string, number>} */ (parameters ?? {})));
+    this.#dose.value = "";
+    this.#build();
+    this.tell();
+  }
+
+  /**
+   * The settings of a cell whose numbers are to be found.
+   *
+   * @param {string} model The name of a cell model, `chosen` for the one of this form, `all` for each that may serve.
+   * @returns {Record<string, Value>}
+   */
+  fitted(model) {
+    const { settings } = this.setup;
+    const isOther = (/** @type {string} */ key) => key.startsWith("cell.") || key.startsWith("stimulus.");
+    if (model === "chosen") return { ...settings, "cell.model": String(this.value("cell.model")) };
+    const others = Object.fromEntries(Object.entries(settings).filter(([key]) => !isOther(key)));
+    return model === "all" ? others : { ...others, "cell.model": model };
   }
 
   /** Everything as published again, on the same shape. */
@@ -159,7 +178,7 @@ export class Form extends EventTarget {
     this.#changed.clear();
     this.#numbers.clear();
     this.#build();
-    this.#tell();
+    this.tell();
   }
 
   /** Offers the doses of a file of doses. @param {string[]} labels */
@@ -174,7 +193,8 @@ export class Form extends EventTarget {
     return this.#doses.value;
   }
 
-  #tell() {
+  /** Tells what is set up now. */
+  tell() {
     for (const [row, when] of this.#rows) row.hidden = !when(this);
     this.dispatchEvent(new Event("change"));
   }
@@ -187,7 +207,7 @@ export class Form extends EventTarget {
     const drug = make("details", {}, make("summary", {}, "Drug"), this.#doses, make("label", { class: "choice" }, "Dose ", this.#dose));
     if (this.#dose.childElementCount === 0) this.offerDoses([]);
     this.#doses.addEventListener("change", () => this.dispatchEvent(new Event("doses")));
-    this.#dose.addEventListener("change", () => this.#tell());
+    this.#dose.addEventListener("change", () => this.tell());
     const reset = make("button", { type: "reset" }, "All as published");
     this.#place.replaceChildren(fieldset("Cell", this.#row(SHAPE), this.#modelRow(), parameters, drug), ...groups, reset);
     this.#showParameters();
@@ -204,7 +224,7 @@ export class Form extends EventTarget {
       this.#numbers.clear();
       if (!this.model?.is_scaled) this.#changed.delete("cell.peak_tension");
       this.#showParameters();
-      this.#tell();
+      this.tell();
     });
     return select;
   }
@@ -221,7 +241,7 @@ export class Form extends EventTarget {
         return slider({ name, about, unit, value: now, range: [low, high, (high - low) / SLIDER_STEPS], set: (given) => {
           if (given === value) this.#numbers.delete(name);
           else this.#numbers.set(name, given);
-          this.#tell();
+          this.tell();
         } });
       }),
     );
@@ -239,7 +259,7 @@ export class Form extends EventTarget {
         ? this.#choice(key, name, about, schema?.oneOf ?? schema?.enum?.map((word) => ({ const: word, description: "" })) ?? [])
         : slider({ name, about, unit, value: this.#changed.has(key) ? parseFloat(String(value)) : (start ?? parseFloat(String(value))), unset: /\d/.test(String(value)) || when !== undefined ? "" : String(value), range, set: (given) => {
             this.#set(key, unit === "" ? given : `${given} ${unit}`);
-            this.#tell();
+            this.tell();
           } });
     if (when !== undefined) this.#rows.push([row, when]);
     // A load without a value is no set-up.
@@ -272,7 +292,7 @@ export class Form extends EventTarget {
         if (when?.(this) && needed !== undefined && !this.#changed.has(other)) this.#changed.set(other, needed);
       }
       explain();
-      this.#tell();
+      this.tell();
     });
     return make("div", { class: "row" }, make("div", { class: "name" }, term(name, about)), select, hint);
   }

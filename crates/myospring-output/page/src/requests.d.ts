@@ -9,14 +9,35 @@ export type Request =
   | { ask: "doses"; text: string }
   | { ask: "pin" }
   | { ask: "unpin" }
-  | { ask: "save"; what: "report" | "traces" | "run" | "picture" };
+  | { ask: "save"; what: "report" | "traces" | "run" | "picture" }
+  | { ask: "save-all" }
+  | { ask: "result"; name: string }
+  | { ask: "keep" }
+  | { ask: "kind"; name: string }
+  | { ask: "settings"; name: string }
+  | { ask: "open"; name: string }
+  | ({ ask: "analyse" } & Reading)
+  | { ask: "track"; name: string; frame_rate_per_s: number | null; settings: Record<string, Value> }
+  | ({ ask: "fit"; settings: Record<string, Value>; free?: string[]; peak_shortening_pct: number | null } & Reading);
+
+/** A table of curves, and how it is read; whatever is absent is detected. */
+export interface Reading {
+  name: string;
+  frame_rate_per_s: number | null;
+  pixel_size_um: number | null;
+  columns: string[];
+  kind: string | null;
+  unit: string | null;
+  time_unit: string | null;
+  from_ms: number | null;
+  until_ms: number | null;
+  stimulus_period_ms: number | null;
+}
 
 /** A value of a setting as a run file has it. */
 export type Value = boolean | number | string | { [name: string]: number | string };
 
 export interface Setup {
-  /** Name of a run file that the engine holds. */
-  file: string | null;
   settings: Record<string, Value>;
   /** A file of doses, and the label of the one that is given. */
   dose: [string, string] | null;
@@ -30,7 +51,16 @@ export interface Answer {
   /** Labels of doses, the control first. */
   doses?: string[];
   file?: { name: string; base64: string };
+  results?: Results;
+  kind?: "curves" | "outline" | "film";
+  settings?: Record<string, Value>;
   error?: Failure;
+}
+
+export interface Results {
+  /** What the report of these results shows. */
+  page: Payload | null;
+  files: { name: string; bytes: number }[];
 }
 
 export interface Failure {

@@ -2,23 +2,20 @@
 
 import { find, make } from "./elements.js";
 import { Engine, Stopped } from "./engine.js";
+import { Files } from "./files.js";
 import { Form } from "./form.js";
 import { keptIn, linkOf } from "./link.js";
+import { inWordsOfPage, madeUp, Measured } from "./measured.js";
 import { setUpPrinting } from "./paper.js";
 import { showPage } from "./whole.js";
 
-/** @import { Answer, Failure, Request, Setup } from "./requests.js" */
+/** @import { Answer, Failure, Request, Results, Setup } from "./requests.js" */
 /** @import { ShownPage } from "./whole.js" */
 
 /** A run that has taken longer is given up for the next one, ms. */
 const PATIENCE = 1000;
 /** A run that takes longer can be stopped by hand, ms. */
 const NOTICED = 300;
-/** The largest file that is read, bytes. */
-const LARGEST = 500e6;
-
-const [PICTURES, OUTLINES] = [/\.(png|tiff?|jpe?g)$/i, /\.(geojson|json|csv|roi|zip|txt)$/i];
-
 /** @type {ShownPage | null} */
 let shown = null;
 /** The set-up that is to be run next. @type {Setup | null} */
@@ -39,6 +36,13 @@ async function start() {
   const { about } = await engine.ask({ ask: "about" });
   if (about === undefined) throw new Error("it does not answer");
   const form = new Form(about);
+  const measured = new Measured();
+  /** A change of the cell goes back to it. */
+  const leave = () => {
+    offer([]);
+    find("take-over", HTMLButtonElement).hidden = true;
+    pin.hidden = false;
+  };
   const setup = find("setup", HTMLDetailsElement);
   const isWide = matchMedia("(min-width: 60rem)");
   setup.open = isWide.matches;
@@ -47,7 +51,10 @@ async function start() {
   setup.addEventListener("toggle", () => {
     if (setup.open && !isWide.matches) document.getElementById("stage")?.scrollIntoView();
   });
-  form.addEventListener("change", () => want(engine, form.setup));
+  form.addEventListener("change", () => {
+    leave();
+    void want(engine, form.setup);
+  });
   form.addEventListener("doses", async () => {
     const answer = await engine.ask({ ask: "doses", text: form.doses });
     if (!failed(answer)) form.offerDoses(answer.doses ?? []);
@@ -68,9 +75,11 @@ async function start() {
   });
   for (const button of document.querySelectorAll("[data-save]")) {
     const what = /** @type {"report"} */ (button.getAttribute("data-save"));
-    button.addEventListener("click", () => save(engine, what));
+    button.addEventListener("click", () => save(engine, { ask: "save", what }));
   }
-  setUpFiles(engine, form);
+  setUpMeasured(engine, form, measured);
+  new Files(engine, form, measured, { failed, fail, show: (request) => show(engine, request) });
+  find("save-all", HTMLButtonElement).addEventListener("click", () => work(engine, { ask: "save-all" }, "Saving"));
   find("link", HTMLButtonElement).addEventListener("click", () => link(form));
   if (!(await taken(engine, form))) want(engine, form.setup);
   addEventListener("hashchange", () => taken(engine, form));
@@ -156,62 +165,100 @@ function failed({ error }) {
 /** @param {Failure} failure */
 function fail({ message, advice }) {
   const place = find("failure", HTMLElement);
-  place.textContent = advice === null ? message : `${message} (${advice})`;
+  place.textContent = inWordsOfPage(advice === null ? message : `${message} (${advice})`);
   place.hidden = false;
   state.textContent = "";
 }
 
-/** @param {Engine} engine @param {"report" | "traces" | "run" | "picture"} what */
-async function save(engine, what) {
-  const answer = await engine.ask({ ask: "save", what });
+/**
+ * Lets the engine work that long that it tells how far it is; gives its results, which are then offered, or null.
+ *
+ * @param {Engine} engine
+ * @param {Request} request
+ * @param {string} doing
+ * @returns {Promise<Results | null>}
+ */
+async function work(engine, request, doing) {
+  const asked = performance.now();
+  state.textContent = `${doing}.`;
+  stop.hidden = false;
+  engine.onprogress = (what, done, of) => {
+    state.textContent = of > 1 ? `${doing}: ${what}, ${done} of ${of}.` : `${doing}: ${what}.`;
+  };
+  try {
+    const answer = await engine.ask(request);
+    if (failed(answer) || answer.results === undefined) return null;
+    const { page, files } = answer.results;
+    if (page !== null) {
+      shown = showPage(page, null);
+      document.body.dataset.runs = String(Number(document.body.dataset.runs ?? 0) + 1);
+    }
+    offer(files, engine);
+    state.textContent = `${doing}: done in ${((performance.now() - asked) / 1000).toFixed(1)} s.`;
+    return answer.results;
+  } catch (error) {
+    if (!(error instanceof Stopped)) throw error;
+    state.textContent = "Stopped.";
+    return null;
+  } finally {
+    stop.hidden = true;
+    engine.onprogress = () => {};
+  }
+}
+
+/** Offers files of results. @param {Results["files"]} files @param {Engine} [engine] */
+function offer(files, engine) {
+  const place = find("results", HTMLElement);
+  place.hidden = files.length === 0;
+  place.replaceChildren(
+    ...files.map(({ name, bytes }) => {
+      const button = make("button", { type: "button", class: "plain" }, name);
+      button.addEventListener("click", () => engine !== undefined && save(engine, { ask: "result", name }));
+      const size = bytes < 1e6 ? `${Math.ceil(bytes / 1000)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
+      return make("li", {}, button, make("span", { class: "unit" }, size));
+    }),
+  );
+}
+
+/** What is done with a curve or a film. @param {Engine} engine @param {Form} form @param {Measured} measured */
+function setUpMeasured(engine, form, measured) {
+  const takeOver = find("take-over", HTMLButtonElement);
+  const model = find("fit-model", HTMLSelectElement);
+  const read = async () => {
+    takeOver.hidden = true;
+    pin.hidden = true;
+    await work(engine, measured.question, measured.isFilm ? "Following the film" : "Finding the beats");
+  };
+  measured.addEventListener("read", read);
+  find("fit", HTMLButtonElement).addEventListener("click", async () => {
+    const found = await work(engine, measured.fitting(form.fitted(model.value)), "Fitting");
+    takeOver.hidden = !(found?.files.some(({ name }) => name === "run.toml") ?? false);
+  });
+  takeOver.addEventListener("click", async () => {
+    if (failed(await engine.ask({ ask: "keep" }))) return;
+    const answer = await engine.ask({ ask: "settings", name: "run.toml" });
+    if (!failed(answer) && answer.settings !== undefined) form.takeSettings(answer.settings);
+  });
+  find("leave", HTMLButtonElement).addEventListener("click", () => {
+    measured.leave();
+    form.tell();
+  });
+  find("sample-curve", HTMLButtonElement).addEventListener("click", async () => {
+    const answer = await engine.ask({ ask: "save", what: "traces" });
+    if (failed(answer) || answer.file === undefined) return;
+    const text = new TextEncoder().encode(madeUp(atob(answer.file.base64)));
+    if (failed(await engine.ask({ ask: "hold", name: "made_up.csv" }, text))) return;
+    measured.take("made_up.csv", false);
+    await read();
+  });
+}
+
+/** @param {Engine} engine @param {Request} request */
+async function save(engine, request) {
+  const answer = await engine.ask(request);
   if (failed(answer) || answer.file === undefined) return;
   const bytes = Uint8Array.from(atob(answer.file.base64), (letter) => letter.charCodeAt(0));
   const address = URL.createObjectURL(new Blob([bytes]));
   make("a", { href: address, download: answer.file.name }).click();
   setTimeout(() => URL.revokeObjectURL(address), 1000);
-}
-
-/** @param {Engine} engine @param {Form} form */
-function setUpFiles(engine, form) {
-  const input = find("file", HTMLInputElement);
-  const builtIn = find("built-in", HTMLButtonElement);
-  const [pixelPlace, pixelSize] = [find("pixel-place", HTMLElement), find("pixel-size", HTMLInputElement)];
-  /** The picture that is the cell. */
-  let picture = "";
-  const take = async (/** @type {File | undefined} */ file) => {
-    if (file === undefined) return;
-    if (file.size > LARGEST) {
-      fail({ message: `${file.name} has ${(file.size / 1e6).toFixed(0)} MB; this page reads files of at most ${LARGEST / 1e6} MB.`, advice: "The program reads larger ones." });
-      return;
-    }
-    const isRun = /\.toml$/i.test(file.name);
-    const key = PICTURES.test(file.name) ? "shape.picture" : OUTLINES.test(file.name) ? "shape.outline" : null;
-    if (!isRun && key === null) {
-      fail({ message: `${file.name} is of a kind that this page does not read.`, advice: "Give a picture (.png, .tif), an outline (.geojson, .roi, .csv) or a run file (.toml)." });
-      return;
-    }
-    const held = await engine.ask({ ask: "hold", name: file.name }, new Uint8Array(await file.arrayBuffer()));
-    if (failed(held)) return;
-    picture = key === "shape.picture" ? file.name : "";
-    pixelSize.value = "";
-    pixelPlace.hidden = picture === "";
-    builtIn.hidden = false;
-    form.takeShape(isRun ? file.name : null, key === null ? {} : { [key]: file.name });
-  };
-  input.addEventListener("change", () => take(input.files?.[0]));
-  pixelSize.addEventListener("change", () => {
-    /** @type {Record<string, string>} */
-    const size = pixelSize.value === "" ? {} : { "shape.pixel_size": `${pixelSize.value} um` };
-    form.takeShape(null, { "shape.picture": picture, ...size });
-  });
-  builtIn.addEventListener("click", () => {
-    builtIn.hidden = pixelPlace.hidden = true;
-    input.value = "";
-    form.takeShape(null, {});
-  });
-  addEventListener("dragover", (event) => event.preventDefault());
-  addEventListener("drop", (event) => {
-    event.preventDefault();
-    void take(event.dataTransfer?.files[0]);
-  });
 }

@@ -3,14 +3,24 @@
 
 /** @type {Promise<any>} */
 let engine;
+/** The same, once it is there. @type {any} */
+let told;
 
 addEventListener("message", async ({ data: { module, number, request, bytes } }) => {
   if (module !== undefined) {
+    const page = {
+      tell: (/** @type {number} */ at, /** @type {number} */ length, /** @type {number} */ done, /** @type {number} */ of) => {
+        const { memory } = told.exports;
+        // A copy, since text is not decoded from memory that may grow.
+        postMessage({ progress: { what: new TextDecoder().decode(new Uint8Array(memory.buffer, at, length).slice()), done, of } });
+      },
+    };
     // Random bytes for encrypted archives, which a dependency brings and nothing asks for.
     /** @type {Record<string, Record<string, () => void>>} */
-    const unused = {};
-    for (const { module: from, name } of WebAssembly.Module.imports(module)) (unused[from] ??= {})[name] = () => {};
-    engine = WebAssembly.instantiate(module, unused);
+    const imports = {};
+    for (const { module: from, name } of WebAssembly.Module.imports(module)) (imports[from] ??= {})[name] = () => {};
+    engine = WebAssembly.instantiate(module, { ...imports, page });
+    engine.then((instance) => (told = instance));
     return;
   }
   const { memory, input, answer, answer_place: place, answer_length: length } = (await engine).exports;

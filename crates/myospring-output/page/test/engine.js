@@ -40,7 +40,6 @@ export async function engine() {
  */
 export const run = (settings) => ({
   ask: "run",
-  file: null,
   settings: { "numerics.integrator": "quasi-static", ...settings },
   dose: null,
   label: "a run",

@@ -75,6 +75,16 @@ pub fn html(page: &Page<'_>) -> Result<String, PageError> {
     Ok(text)
 }
 
+/// The data of a page from its HTML, as [`data`](super::data) gives them; `None` of a text that is no such page.
+pub fn data_of(html: &str) -> Option<&str> {
+    let (before, after) = TEMPLATE.split_once("{{data}}")?;
+    let opening = &before[before.rfind('<')?..];
+    let closing = &after[..=after.find('>')?];
+    let (_, data) = html.split_once(opening)?;
+    let (data, _) = data.split_once(closing)?;
+    data.starts_with('{').then_some(data)
+}
+
 /// Text in an element or an attribute.
 fn for_markup(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());

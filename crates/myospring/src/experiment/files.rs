@@ -4,9 +4,9 @@ use super::error::ExperimentError;
 use crate::measured::{self, ReadError, Table, TableOptions};
 use crate::output::files::{self, Reads};
 use std::collections::BTreeMap;
-use std::io;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::{fs, io};
 
 /// Reads files and remembers which, so that results never replace what was read. Clones share what they remember.
 #[derive(Debug, Clone, Default)]
@@ -21,6 +21,17 @@ impl Files {
     /// settings use.
     pub fn holding(held: BTreeMap<String, Vec<u8>>) -> Self {
         Self { held: Arc::new(held), ..Self::default() }
+    }
+
+    /// Whether a path is that of a folder; a file that is held is none.
+    ///
+    /// # Errors
+    /// Nothing is there.
+    pub fn is_folder(&self, path: &Path) -> io::Result<bool> {
+        match path.to_str().is_some_and(|name| self.held.contains_key(name)) {
+            true => Ok(false),
+            false => fs::metadata(path).map(|about| about.is_dir()),
+        }
     }
 
     /// Notes a file that is read, or a folder whose files are.

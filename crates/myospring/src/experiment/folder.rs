@@ -1,10 +1,13 @@
 //! The folder of results: whole or not at all.
 
+mod disk;
+
 use super::error::ExperimentError;
 use super::files::Files;
 use super::observer::Observer;
 use crate::output::figure::{Figure, FigureError, Theme};
-use crate::output::files::{self, Draft, FileError, Manifest, Reads};
+use crate::output::files::{self, Manifest};
+use disk::Disk;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -17,20 +20,21 @@ const DPI: f64 = 300.0;
 /// What draws a figure.
 pub type Draw<'a> = &'a (dyn Fn() -> Result<Figure, FigureError> + Sync);
 
-/// A folder of results in progress: files go to a hidden folder until all are written.
+/// A folder of results in progress, on the disk or in memory.
+#[derive(Clone)]
 pub struct Folder {
-    target: PathBuf,
-    draft: Arc<Draft>,
-    force: bool,
-    /// Where the files are to be listed.
-    manifest: Manifest,
-    /// Whether that list is the folder's own.
-    has_manifest: bool,
-    reads: Reads,
+    kept: Kept,
     /// Names of the files that were written, and their sizes.
     written: Arc<Mutex<BTreeMap<String, u64>>>,
     /// What stands before the names of files: empty, or the part of the folder that this is, `cells/1/`.
     place: String,
+}
+
+/// Where the files are.
+#[derive(Clone)]
+enum Kept {
+    OnDisk(Disk),
+    InMemory(Arc<Mutex<BTreeMap<String, Vec<u8>>>>),
 }
 
 impl Folder {
@@ -41,12 +45,7 @@ impl Folder {
     ///
     /// The reason, or a folder that cannot be made.
     pub fn claim(target: &Path, force: bool, files: &Files) -> Result<Self, ExperimentError> {
-        let reads = files.reads();
-        Self::check_beside(target, force, &reads)?;
-        let (draft, manifest) = (Self::begin(target)?, Manifest::of(target));
-        let (target, draft) = (target.to_owned(), Arc::new(draft));
-        let (written, place) = (Arc::default(), String::new());
-        Ok(Self { target, draft, force, manifest, has_manifest: true, reads, written, place })
+        Ok(Self::of(Kept::OnDisk(Disk::claim(target, force, files.reads())?)))
     }
 
     /// Refuses a folder that is not empty, unless `force`. With `force` it refuses one with files
@@ -56,28 +55,7 @@ impl Folder {
     ///
     /// The reason.
     pub fn check(target: &Path, force: bool, files: &Files) -> Result<(), ExperimentError> {
-        Self::check_beside(target, force, &files.reads())
-    }
-
-    fn check_beside(target: &Path, force: bool, reads: &Reads) -> Result<(), ExperimentError> {
-        reads.check_folder(target)?;
-        if fs::symlink_metadata(target).is_ok() && !target.is_dir() {
-            let message =
-                format!("cannot write results to `{}`: it is not a folder", target.display());
-            return Err(
-                ExperimentError::new(message).advise("give a folder like --output results/mine")
-            );
-        }
-        if is_occupied(target).map_err(|error| unusable(target, &error))? {
-            if !force {
-                let message = format!("`{}` already holds files", target.display());
-                return Err(ExperimentError::new(message).advise(
-                    "choose another folder with --output DIR, or replace results with --force",
-                ));
-            }
-            Manifest::of(target).check_replaceable(reads)?;
-        }
-        Ok(())
+        disk::check(target, force, &files.reads())
     }
 
     /// Makes room in a part of a folder whose manifest lists these files, too; what it lists there is replaced.
@@ -85,48 +63,29 @@ impl Folder {
     /// # Errors
     /// A part that another run is writing to, or that holds files which may not be replaced.
     pub fn claim_part(part: Manifest, files: &Files) -> Result<Self, ExperimentError> {
-        let target = part.folder();
-        let (draft, reads) = (Arc::new(Self::begin(&target)?), files.reads());
-        part.check_replaceable(&reads)?;
-        let (written, place, manifest) = (Arc::default(), String::new(), part);
-        Ok(Self {
-            target,
-            draft,
-            force: true,
-            manifest,
-            has_manifest: false,
-            reads,
-            written,
-            place,
-        })
+        Ok(Self::of(Kept::OnDisk(Disk::claim_part(part, files.reads())?)))
+    }
+
+    /// A folder that is on no disk: [`Folder::contents`] gives its files.
+    pub fn in_memory() -> Self {
+        Self::of(Kept::InMemory(Arc::default()))
+    }
+
+    fn of(kept: Kept) -> Self {
+        Self { kept, written: Arc::default(), place: String::new() }
+    }
+
+    /// The files of a folder in memory, by their names; none of one on the disk.
+    pub fn contents(&self) -> BTreeMap<String, Vec<u8>> {
+        match &self.kept {
+            Kept::InMemory(files) => files.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+            Kept::OnDisk(_) => BTreeMap::new(),
+        }
     }
 
     /// A folder within this one, which is finished with it.
     pub(super) fn within(&self, place: &str) -> Self {
-        Self {
-            target: self.target.clone(),
-            draft: Arc::clone(&self.draft),
-            force: self.force,
-            manifest: self.manifest.clone(),
-            has_manifest: self.has_manifest,
-            reads: self.reads.clone(),
-            written: Arc::clone(&self.written),
-            place: format!("{}{place}/", self.place),
-        }
-    }
-
-    fn begin(target: &Path) -> Result<Draft, ExperimentError> {
-        Draft::begin(target).map_err(|error| match error {
-            FileError::NoName { .. } => {
-                ExperimentError::new(format!("`{}` names no folder", target.display()))
-                    .advise("give a folder like --output results/mine")
-            }
-            FileError::InUse { .. } => {
-                ExperimentError::new(error).advise("--output DIR names another folder")
-            }
-            FileError::Folder { source, .. } => unusable(target, &source),
-            error => error.into(),
-        })
+        Self { place: format!("{}{place}/", self.place), ..self.clone() }
     }
 
     /// Writes one file.
@@ -134,20 +93,30 @@ impl Folder {
     /// # Errors
     /// A file that cannot be written.
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<(), ExperimentError> {
-        let name = format!("{}{name}", self.place);
-        let path = self.draft.folder().join(&name);
-        if let Some(parent) = path.parent() {
-            files::create_folder(parent)?;
+        let (name, content) = (format!("{}{name}", self.place), content.as_ref());
+        match &self.kept {
+            Kept::OnDisk(disk) => {
+                let path = disk.draft.folder().join(&name);
+                if let Some(parent) = path.parent() {
+                    files::create_folder(parent)?;
+                }
+                files::write(&path, content)?;
+            }
+            Kept::InMemory(files) => {
+                let mut files = files.lock().unwrap_or_else(PoisonError::into_inner);
+                files.insert(name.clone(), content.to_vec());
+            }
         }
-        let content = content.as_ref();
-        files::write(&path, content)?;
         self.written().insert(name, content.len() as u64);
         Ok(())
     }
 
-    /// Where the results will be.
+    /// Where the results will be; empty for a folder in memory.
     pub fn target(&self) -> &Path {
-        &self.target
+        match &self.kept {
+            Kept::OnDisk(disk) => &disk.target,
+            Kept::InMemory(_) => Path::new(""),
+        }
     }
 
     /// Whether a file of this name was written.
@@ -158,13 +127,16 @@ impl Folder {
     /// Calls `make` to write one file at a path.
     ///
     /// # Errors
-    /// What `make` gives, or that it made no file.
+    /// What `make` gives, or that it made no file; a folder in memory has no paths.
     pub fn write_with(
         &self,
         name: &str,
         make: impl FnOnce(&Path) -> Result<(), ExperimentError>,
     ) -> Result<(), ExperimentError> {
-        let path = self.draft.folder().join(name);
+        let Kept::OnDisk(disk) = &self.kept else {
+            return Err(ExperimentError::new(format!("`{name}` can only be written to a disk")));
+        };
+        let path = disk.draft.folder().join(name);
         let size = make(&path).and_then(|()| match fs::metadata(&path) {
             Ok(file) => Ok(file.len()),
             Err(error) => Err(ExperimentError::new(format!("`{name}` was not written: {error}"))),
@@ -191,11 +163,20 @@ impl Folder {
         self.written().retain(|name, _| {
             let stays = names.contains(name);
             if !stays {
-                // A file that cannot be deleted is complete.
-                fs::remove_file(self.draft.folder().join(name)).ok();
+                self.delete(name);
             }
             stays
         });
+    }
+
+    fn delete(&self, name: &str) {
+        match &self.kept {
+            // A file that cannot be deleted is complete.
+            Kept::OnDisk(disk) => drop(fs::remove_file(disk.draft.folder().join(name))),
+            Kept::InMemory(files) => {
+                files.lock().unwrap_or_else(PoisonError::into_inner).remove(name);
+            }
+        }
     }
 
     fn written(&self) -> MutexGuard<'_, BTreeMap<String, u64>> {
@@ -245,78 +226,16 @@ impl Folder {
 
     /// Gives the folder its name. Earlier results that the manifest lists are deleted. If another
     /// file appeared in the folder since it was claimed, the results get another name next to it,
-    /// so that nothing is lost.
+    /// so that nothing is lost. A folder in memory has no name to be given.
     ///
     /// # Errors
     ///
     /// Files that cannot be moved.
     pub fn finish(self, observer: &dyn Observer) -> Result<PathBuf, ExperimentError> {
-        let target = &self.target;
-        let failed = |error: std::io::Error| {
-            ExperimentError::new(format!("cannot write results to `{}`: {error}", target.display()))
-        };
-        let work = self.draft.folder();
         let names = self.names();
-        let new_folder = |to: &Path| {
-            let own = Manifest::of(&work);
-            let manifest = if self.has_manifest { &own } else { &self.manifest };
-            manifest.announce(&names, &work)?;
-            fs::rename(&work, to).map_err(failed)
-        };
-        if !target.exists() {
-            new_folder(target)?;
-            return Ok(target.clone());
-        }
-        let refused = match self.manifest.check_replaceable(&self.reads) {
-            Err(error) => Some(error.to_string()),
-            Ok(()) if !self.force && is_occupied(target).map_err(failed)? => Some(format!(
-                "files appeared in `{}` during the run and are kept",
-                target.display()
-            )),
-            Ok(()) => None,
-        };
-        if let Some(why) = refused {
-            let name = target.file_name().unwrap_or_default().to_string_lossy();
-            let beside = |number: u32| target.with_file_name(format!("{name}_{number}"));
-            let free = (2..10_000).map(beside).find(|path| !path.exists()).unwrap_or(beside(2));
-            new_folder(&free)?;
-            observer.warn(&format!("{why}; the results are in `{}`", free.display()));
-            return Ok(free);
-        }
-        // Listed before they are moved, so that a folder that is only half replaced can be
-        // replaced, too.
-        self.manifest.announce(&names, &work)?;
-        self.manifest.clear(&[]).and_then(|()| merge(&work, target)).map_err(failed)?;
-        self.manifest.settle()?;
-        Ok(target.clone())
-    }
-}
-
-/// Whether a folder holds anything that is not hidden.
-fn is_occupied(folder: &Path) -> std::io::Result<bool> {
-    let entries = match fs::read_dir(folder) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
-        entries => entries?.collect::<std::io::Result<Vec<_>>>()?,
-    };
-    Ok(entries.iter().any(|entry| !entry.file_name().to_string_lossy().starts_with('.')))
-}
-
-fn unusable(target: &Path, error: &std::io::Error) -> ExperimentError {
-    ExperimentError::new(format!("cannot write results to `{}`: {error}", target.display()))
-        .advise("choose a folder that you may write to, like --output results/mine")
-}
-
-/// Moves every file of one folder into another.
-fn merge(from: &Path, to: &Path) -> std::io::Result<()> {
-    fs::create_dir_all(to)?;
-    for entry in fs::read_dir(from)? {
-        let entry = entry?;
-        let target = to.join(entry.file_name());
-        if entry.file_type()?.is_dir() {
-            merge(&entry.path(), &target)?;
-        } else {
-            fs::rename(entry.path(), target)?;
+        match self.kept {
+            Kept::OnDisk(disk) => disk.finish(&names, observer),
+            Kept::InMemory(_) => Ok(PathBuf::new()),
         }
     }
-    Ok(())
 }

@@ -28,6 +28,11 @@ impl RunFile {
         self.values.get(key)
     }
 
+    /// All keys that are present, with their values.
+    pub fn values(&self) -> impl Iterator<Item = (&'static str, &Value)> {
+        self.values.iter().map(|(key, value)| (*key, value))
+    }
+
     /// Whether a key is present.
     pub fn has(&self, key: &str) -> bool {
         self.values.contains_key(key)

@@ -15,10 +15,11 @@ const FILM_ENDINGS: [&str; 4] = ["tif", "tiff", "avi", "y4m"];
 /// A name for results: that of the film without its ending.
 pub(super) fn name(path: &Path, files: &Files) -> Result<String, ExperimentError> {
     // Before anything else is said about it.
-    let about = fs::metadata(path).map_err(|error| ExperimentError::unread(path, &error))?;
+    let is_folder = files.is_folder(path).map_err(|error| ExperimentError::unread(path, &error))?;
     files.note(path);
-    let whole = fs::canonicalize(path).map_err(|error| ExperimentError::unread(path, &error))?;
-    let name = if about.is_dir() { whole.file_name() } else { whole.file_stem() };
+    // The folder `.` has a name, too.
+    let whole = fs::canonicalize(path).unwrap_or_else(|_held| path.to_owned());
+    let name = if is_folder { whole.file_name() } else { whole.file_stem() };
     Ok(name.unwrap_or_default().to_string_lossy().trim_end_matches(".ome").to_owned())
 }
 
@@ -40,8 +41,7 @@ pub(super) fn open(
             the cell, and `myospring fit {file} --to CURVE.csv` fits it to a curve"
         ))
     };
-    let about = fs::metadata(path).map_err(|error| ExperimentError::unread(path, &error))?;
-    if about.is_dir() {
+    if files.is_folder(path).map_err(|error| ExperimentError::unread(path, &error))? {
         return Film::of_pictures(pictures(path, files)?, selection).map_err(failed);
     }
     let kind = ending(path);
