@@ -30,6 +30,9 @@ use std::path::Path;
 /// Resolution of saved figures, dots per inch.
 const DPI: f64 = 300.0;
 
+/// The setting of the cell model.
+const MODEL: &str = "cell.model";
+
 /// Answers the page, and remembers what it will ask for again.
 #[derive(Default)]
 pub struct Engine {
@@ -222,9 +225,15 @@ impl Engine {
 
     fn settings_of(&self, name: &str) -> Result<Answer, ExperimentError> {
         let text = self.files.text(Path::new(name))?;
-        let file = RunFile::from_text(&text).map_err(ExperimentError::new)?;
-        let own = file.values().map(|(key, value)| (key, value.clone()));
-        Ok(Answer::Settings(own.collect()))
+        let read = |text: &str| RunFile::from_text(text).map_err(ExperimentError::new);
+        let own = read(&text)?;
+        // A run file of results states all settings; what is as always is no choice.
+        let model = own.get(MODEL).map_or_else(String::new, |model| format!("{MODEL} = {model}"));
+        let usual = read(&model)?.resolve().map_err(ExperimentError::new)?.to_run_file();
+        let differs =
+            |(key, value): &(&str, &Value)| *key == MODEL || usual.get(key) != Some(value);
+        let differing = own.values().filter(differs).map(|(key, value)| (key, value.clone()));
+        Ok(Answer::Settings(differing.collect()))
     }
 
     fn analyse(&mut self, reading: &Reading) -> Result<Answer, ExperimentError> {

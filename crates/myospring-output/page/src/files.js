@@ -101,7 +101,7 @@ export class Files {
     }
     if (kind === "run") {
       const answer = await this.#engine.ask({ ask: "settings", name });
-      if (!this.#doing.failed(answer) && answer.settings !== undefined) this.#form.takeSettings(answer.settings);
+      if (!this.#doing.failed(answer) && answer.settings !== undefined) this.#form.takeSettings(answer.settings, name);
       return;
     }
     this.#picture = kind === "picture" ? name : "";

@@ -73,6 +73,9 @@ export class Form extends EventTarget {
   #rows = [];
   /** Of a shape from a file, which the form does not show. @type {Record<string, Value>} */
   #shape = {};
+  /** What a run file has set, by key, and what it is called. @type {Map<string, Value>} */
+  #given = new Map();
+  #title = "";
   #doses = make("textarea", { rows: "9", spellcheck: "false", "aria-label": "Doses" });
   #dose = make("select", { id: "dose", "aria-label": "Dose" });
 
@@ -127,11 +130,13 @@ export class Form extends EventTarget {
 
   /** What is changed, in words. @param {string} dose */
   #label(dose) {
-    const words = [...this.#changed].map(([key, value]) => (typeof value === "string" && !/\d/.test(value) ? value.replaceAll("_", " ") : `${nameOf(key)} ${value}`));
-    words.push(...[...this.#numbers].map(([name, value]) => `${name} ${value}`));
+    const isOwn = (/** @type {[string, Value]} */ [key, value]) => this.#given.get(key) !== value;
+    const words = [...this.#changed].filter(isOwn).map(([key, value]) => (typeof value === "string" && !/\d/.test(value) ? value.replaceAll("_", " ") : `${nameOf(key)} ${value}`));
+    words.push(...[...this.#numbers].filter(isOwn).map(([name, value]) => `${name} ${value}`));
     if (dose !== "") words.push(dose);
     const cell = this.#shape["shape.picture"] ?? this.#shape["shape.outline"];
-    if (cell !== undefined) words.unshift(String(cell));
+    if (this.#title !== "") words.unshift(this.#title);
+    else if (cell !== undefined) words.unshift(String(cell));
     return words.length > 0 ? words.join(", ") : "adult ventricular myocyte";
   }
 
@@ -147,13 +152,15 @@ export class Form extends EventTarget {
     this.tell();
   }
 
-  /** Takes all settings of a run file. @param {Record<string, Value>} settings */
-  takeSettings(settings) {
+  /** Takes all settings of a run file. @param {Record<string, Value>} settings @param {string} title What the cell is called. */
+  takeSettings(settings, title) {
     const { "cell.parameters": parameters, ...others } = settings;
     const isOfShape = (/** @type {[string, Value]} */ [key]) => key.startsWith("shape.") && key !== SHAPE.key;
     this.#shape = Object.fromEntries(Object.entries(others).filter(isOfShape));
     this.#changed = new Map(Object.entries(others).filter((entry) => !isOfShape(entry)));
     this.#numbers = new Map(Object.entries(/** @type {Record<string, number>} */ (parameters ?? {})));
+    this.#given = new Map([...this.#changed, ...this.#numbers]);
+    this.#title = title;
     this.#dose.value = "";
     this.#build();
     this.tell();
@@ -177,6 +184,8 @@ export class Form extends EventTarget {
   clear() {
     this.#changed.clear();
     this.#numbers.clear();
+    this.#given.clear();
+    this.#title = "";
     this.#build();
     this.tell();
   }

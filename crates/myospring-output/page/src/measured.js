@@ -73,7 +73,7 @@ export class Measured extends EventTarget {
   #add(key, words, input) {
     this.#inputs.set(key, input);
     input.addEventListener("change", () => this.dispatchEvent(new Event("read")));
-    this.#fields.append(make("label", { class: "field" }, make("span", {}, words), input));
+    this.#fields.append(make("label", { class: "field" }, words, input));
   }
 
   /** Takes a file, and asks nothing about it yet. @param {string} name @param {boolean} isFilm */

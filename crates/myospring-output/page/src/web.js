@@ -190,7 +190,7 @@ async function work(engine, request, doing) {
     if (failed(answer) || answer.results === undefined) return null;
     const { page, files } = answer.results;
     if (page !== null) {
-      shown = showPage(page, null);
+      shown = showPage(page, shown);
       document.body.dataset.runs = String(Number(document.body.dataset.runs ?? 0) + 1);
     }
     offer(files, engine);
@@ -212,7 +212,7 @@ function offer(files, engine) {
   place.hidden = files.length === 0;
   place.replaceChildren(
     ...files.map(({ name, bytes }) => {
-      const button = make("button", { type: "button", class: "plain" }, name);
+      const button = make("button", { type: "button" }, name);
       button.addEventListener("click", () => engine !== undefined && save(engine, { ask: "result", name }));
       const size = bytes < 1e6 ? `${Math.ceil(bytes / 1000)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
       return make("li", {}, button, make("span", { class: "unit" }, size));
@@ -237,7 +237,7 @@ function setUpMeasured(engine, form, measured) {
   takeOver.addEventListener("click", async () => {
     if (failed(await engine.ask({ ask: "keep" }))) return;
     const answer = await engine.ask({ ask: "settings", name: "run.toml" });
-    if (!failed(answer) && answer.settings !== undefined) form.takeSettings(answer.settings);
+    if (!failed(answer) && answer.settings !== undefined) form.takeSettings(answer.settings, `fitted to ${measured.name}`);
   });
   find("leave", HTMLButtonElement).addEventListener("click", () => {
     measured.leave();
