@@ -92,7 +92,11 @@ pub fn follow_all(
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads =
         settings.threads.filter(|count| *count > 0).map_or(cores, |count| count.min(cores));
+    let walk = || Walk::new(film, rest, cells, settings)?.motions(goes_on);
+    // A page has one thread.
+    if cfg!(target_family = "wasm") {
+        return walk();
+    }
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|cause| MotionError::Threads { cause: cause.to_string() })?;
-    pool.install(|| Walk::new(film, rest, cells, settings)?.motions(goes_on))
+    pool.map_err(|cause| MotionError::Threads { cause: cause.to_string() })?.install(walk)
 }

@@ -229,7 +229,9 @@ impl Engine {
         let own = read(&text)?;
         // A run file of results states all settings; what is as always is no choice.
         let model = own.get(MODEL).map_or_else(String::new, |model| format!("{MODEL} = {model}"));
-        let usual = read(&model)?.resolve().map_err(ExperimentError::new)?.to_run_file();
+        // A model that needs a file is nothing without it.
+        let usual = read(&model)?.resolve().or_else(|_needs_a_file| RunFile::default().resolve());
+        let usual = usual.map_err(ExperimentError::new)?.to_run_file();
         let differs =
             |(key, value): &(&str, &Value)| *key == MODEL || usual.get(key) != Some(value);
         let differing = own.values().filter(differs).map(|(key, value)| (key, value.clone()));

@@ -18,6 +18,7 @@ const FIELDS = {
   "--time-unit": "unit of the times",
   "--stimulus-period": "time between stimuli",
   "--peak-shortening": "largest shortening",
+  "--allow-cut": "the frame may cut the cell",
   "--from": "from",
   "--until": "until",
 };
@@ -67,6 +68,7 @@ export class Measured extends EventTarget {
     this.#add("until_ms", "Until, ms", numberField());
     this.#add("stimulus_period_ms", "Time between stimuli, ms", numberField());
     this.#add("peak_shortening_pct", "Largest shortening, %", numberField());
+    this.#add("allow_cut", "The frame may cut the cell", make("input", { type: "checkbox" }));
   }
 
   /** @param {string} key @param {string} words @param {HTMLInputElement | HTMLSelectElement} input */
@@ -79,9 +81,13 @@ export class Measured extends EventTarget {
   /** Takes a file, and asks nothing about it yet. @param {string} name @param {boolean} isFilm */
   take(name, isFilm) {
     [this.name, this.isFilm] = [name, isFilm];
-    for (const input of this.#inputs.values()) input.value = "";
+    for (const input of this.#inputs.values()) {
+      if (input instanceof HTMLInputElement && input.type === "checkbox") input.checked = false;
+      else input.value = "";
+    }
     this.#title.textContent = name;
     for (const key of ["columns", "kind", "unit", "time_unit", "stimulus_period_ms", "peak_shortening_pct"]) this.#show(key, !isFilm);
+    this.#show("allow_cut", isFilm);
     this.#place.hidden = false;
   }
 
@@ -89,6 +95,11 @@ export class Measured extends EventTarget {
   #show(key, isShown) {
     const label = this.#inputs.get(key)?.parentElement;
     if (label !== null && label !== undefined) label.hidden = !isShown;
+  }
+
+  /** Opens the fields, for what the file does not say. */
+  open() {
+    this.#place.querySelector("details")?.setAttribute("open", "");
   }
 
   leave() {
@@ -128,8 +139,11 @@ export class Measured extends EventTarget {
 
   /** Settings that the file itself needs. @returns {Record<string, Value>} */
   get #own() {
-    const size = this.#number("pixel_size_um");
-    return this.isFilm && size !== null ? { "shape.pixel_size": `${size} um` } : {};
+    if (!this.isFilm) return {};
+    const [size, cut] = [this.#number("pixel_size_um"), this.#inputs.get("allow_cut")];
+    /** @type {Record<string, Value>} */
+    const own = size === null ? {} : { "shape.pixel_size": `${size} um` };
+    return cut instanceof HTMLInputElement && cut.checked ? { ...own, "segmentation.allow_cut": true } : own;
   }
 
   /** The question what the file shows. @returns {Request} */

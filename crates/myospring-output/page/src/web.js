@@ -227,7 +227,8 @@ function setUpMeasured(engine, form, measured) {
   const read = async () => {
     takeOver.hidden = true;
     pin.hidden = true;
-    await work(engine, measured.question, measured.isFilm ? "Following the film" : "Finding the beats");
+    const found = await work(engine, measured.question, measured.isFilm ? "Following the film" : "Finding the beats");
+    if (found === null) measured.open();
   };
   measured.addEventListener("read", read);
   find("fit", HTMLButtonElement).addEventListener("click", async () => {

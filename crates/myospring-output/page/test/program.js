@@ -102,3 +102,6 @@ export function numbersIn({ sections }) {
   const rows = tables.flatMap((part) => (part.kind === "table" ? part.rows : []));
   return new Map(rows.map(({ cells: [name, value, unit] }) => [name.text, [value.number, unit.text, name.definition]]));
 }
+
+/** Runs a command in the folder. @param {string[]} args */
+export const myospring = (...args) => promisify(execFile)(program, args, { cwd: folder });

@@ -7,7 +7,7 @@ import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 import { violationsOn } from "./axe.js";
-import { folder } from "./program.js";
+import { folder, myospring } from "./program.js";
 
 /** @import { Browser, BrowserContextOptions, Page } from "playwright-core" */
 
@@ -210,6 +210,152 @@ test("a link holds the set-up, and one that cannot be read is explained", async 
       await page.waitForFunction((words) => document.getElementById("failure")?.textContent?.includes(words), why);
     }
     assert.equal(await page.locator(".tiles").textContent(), numbers);
+  });
+});
+
+/** Waits until an experiment has ended, and says how. @param {Page} page */
+async function ended(page) {
+  await page.waitForFunction(() => /: done in|^$/.test(document.getElementById("state")?.textContent ?? ""), null, { timeout: 120_000 });
+  return (await page.locator("#failure").isVisible()) ? page.locator("#failure").textContent() : null;
+}
+
+/** A file of the results that are listed. @param {Page} page @param {string} name */
+async function result(page, name) {
+  const waiting = page.waitForEvent("download");
+  await page.locator("#results").getByRole("button", { name, exact: true }).click();
+  return readFile(await (await waiting).path(), "utf8");
+}
+
+/**
+ * Numbers are alike, everything else is equal.
+ *
+ * @param {any} one
+ * @param {any} other
+ * @param {number} tolerance Relative.
+ * @param {string} [place]
+ */
+function alike(one, other, tolerance, place = "") {
+  if (typeof one === "number" && typeof other === "number") {
+    assert.ok(Math.abs(one - other) <= tolerance * Math.max(Math.abs(one), Math.abs(other)), `${place}: ${one}, ${other}`);
+  } else if (typeof one === "object" && one !== null) {
+    assert.deepEqual(Object.keys(one), Object.keys(other), place);
+    for (const key of Object.keys(one)) alike(one[key], other[key], tolerance, `${place}.${key}`);
+  } else assert.equal(one, other, place);
+}
+
+/** A contraction of 10 %, 100 frames a second, with a wave instead of noise. */
+function contraction() {
+  const rows = ["time (ms),length (um)"];
+  for (let time = 0; time < 2000; time += 10) {
+    const since = (time % 1000) - 100;
+    const part = since > 0 ? (since / 90) ** 2 * Math.exp(2 * (1 - since / 90)) : 0;
+    rows.push(`${time},${(110 - 11 * part + 0.05 * Math.sin(1.3 * time)).toFixed(4)}`);
+  }
+  return rows.join("\n");
+}
+
+test("a curve is analysed and fitted as the program does it, and the cell beats with the fitted numbers", async () => {
+  const curve = join(folder, "contraction.csv");
+  await writeFile(curve, contraction());
+  await myospring("analyse", "contraction.csv", "--output", "analysed", "--force");
+  await myospring("fit", "--to", "contraction.csv", "--output", "fitted", "--force");
+  const read = async (/** @type {string} */ name) => JSON.parse(await readFile(join(folder, name), "utf8"));
+  await opened({}, async (page) => {
+    await page.locator("#file").setInputFiles(curve);
+    assert.equal(await ended(page), null);
+    const analysed = JSON.parse(await result(page, "summary.json"));
+    alike(analysed.curves, (await read("analysed/summary.json")).curves, 1e-9);
+    await shot(page, "curve");
+    await page.getByRole("button", { name: "Fit the cell" }).click();
+    assert.equal(await ended(page), null);
+    const fit = JSON.parse(await result(page, "fit.json"));
+    const expected = await read("fitted/fit.json");
+    assert.equal(fit.model, expected.model);
+    // Both descend to the same minimum, on arithmetic that differs in its last digits.
+    for (const [at, { value }] of fit.estimates.entries()) alike(value, expected.estimates[at].value, 1e-5);
+    await shot(page, "fit");
+    const before = await runsOf(page);
+    await page.getByRole("button", { name: "Beat with the fitted numbers" }).click();
+    await ran(page, before + 1);
+    assert.match((await page.locator("h1").textContent()) ?? "", /fitted to contraction\.csv/);
+    const waiting = page.waitForEvent("download");
+    await page.getByRole("button", { name: "Run file", exact: true }).click();
+    await writeFile(join(folder, "fitted.toml"), await readFile(await (await waiting).path()));
+    if (fit.model !== "given_tension") {
+      await myospring("run", "fitted.toml", "--output", "beaten", "--force");
+      const { beats } = await read("beaten/summary.json");
+      const shown = await tile(page, "peak shortening");
+      const value = Object.values(beats[0]).flat().find((/** @type {{ name: string }} */ { name }) => name === "peak_shortening").value;
+      assert.ok(Math.abs(Number.parseFloat(shown ?? "") - value) < 0.006, `${shown}, ${value}`);
+    }
+  });
+});
+
+test("what a curve does not say is asked for in the words of the page", async () => {
+  const curve = join(folder, "bare.csv");
+  await writeFile(curve, contraction().split("\n").map((row) => row.split(",")[1]).join("\n"));
+  await opened({}, async (page) => {
+    await page.locator("#file").setInputFiles(curve);
+    assert.match((await ended(page)) ?? "", /\u201cframes a second\u201d/);
+    const field = page.getByLabel("Frames a second");
+    await field.fill("100");
+    await field.press("Tab");
+    await page.locator("#results").getByRole("button").first().waitFor();
+    assert.match((await page.locator("body").textContent()) ?? "", /2 beats; peak shortening 10/);
+    const before = await runsOf(page);
+    await page.getByRole("button", { name: "Back to the cell" }).click();
+    await ran(page, before + 1);
+    assert.equal(await tile(page, "peak shortening"), "12.01 %");
+  });
+});
+
+test("a film is followed, and says how far it is", async () => {
+  const [width, height, frames] = [200, 80, 12];
+  const film = [Buffer.from(`YUV4MPEG2 W${width} H${height} F20:1 Cmono\n`)];
+  for (let frame = 0; frame < frames; frame++) {
+    const stretch = 1 - 0.08 * Math.sin((Math.PI * frame) / (frames - 1)) ** 2;
+    const grey = Buffer.alloc(width * height);
+    for (let at = 0; at < grey.length; at++) {
+      const [x, y] = [((at % width) - width / 2) / stretch, Math.floor(at / width) - height / 2];
+      const isCell = Math.hypot(x / 75, y / 20) < 1;
+      const spots = Math.sin(0.9 * x + 0.2 * y) + 0.6 * Math.sin(0.31 * x - 0.7 * y) + 0.5 * Math.sin(0.17 * x + 0.43 * y);
+      grey[at] = isCell ? 150 + 30 * spots : 20;
+    }
+    film.push(Buffer.from("FRAME\n"), grey);
+  }
+  await writeFile(join(folder, "film.y4m"), Buffer.concat(film));
+  await opened({}, async (page) => {
+    await page.locator("#file").setInputFiles(join(folder, "film.y4m"));
+    assert.match((await ended(page)) ?? "", /\u201csize of a pixel\u201d/);
+    /** @type {string[]} */
+    const said = [];
+    await page.exposeFunction("heard", (/** @type {string} */ text) => said.push(text));
+    await page.evaluate(() => {
+      const state = document.getElementById("state");
+      if (state !== null) new MutationObserver(() => /** @type {any} */ (window).heard(state.textContent)).observe(state, { childList: true });
+    });
+    const size = page.getByLabel("Size of a pixel, \u00b5m");
+    await size.fill("0.6");
+    await size.press("Tab");
+    await page.locator("#results").getByRole("button", { name: "track.csv" }).waitFor({ timeout: 120_000 });
+    assert.ok(said.some((text) => /frames, \d+ of/.test(text)), said.join("; "));
+    const rows = (await result(page, "track.csv")).trim().split("\n");
+    assert.equal(rows.length, frames + 1);
+    await shot(page, "film");
+  });
+});
+
+test("all files of a run are saved, and its report is opened again", async () => {
+  await opened({}, async (page) => {
+    await page.getByRole("button", { name: "All files" }).click();
+    await page.locator("#results").getByRole("button", { name: /\.gif$/ }).first().waitFor({ timeout: 120_000 });
+    assert.ok((await page.locator("#results").getByRole("button", { name: /\.svg$/ }).count()) > 0);
+    await writeFile(join(folder, "kept.html"), await result(page, "report.html"));
+    await slide(page, "peak tension", "PageDown");
+    const before = await runsOf(page);
+    await page.locator("#file").setInputFiles(join(folder, "kept.html"));
+    await ran(page, before + 1);
+    assert.equal(await tile(page, "peak shortening"), "12.01 %");
   });
 });
 

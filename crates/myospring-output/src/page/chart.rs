@@ -207,7 +207,7 @@ impl Chart {
             values: values.to_vec(),
         };
         Self {
-            name: "Active tension of the curve".to_owned(),
+            name: "Tension of the curve".to_owned(),
             unit: "kPa".to_owned(),
             note: "between the thin lines: 95 % band".to_owned(),
             series: vec![

@@ -28,10 +28,10 @@ impl Files {
     /// # Errors
     /// Nothing is there.
     pub fn is_folder(&self, path: &Path) -> io::Result<bool> {
-        match path.to_str().is_some_and(|name| self.held.contains_key(name)) {
-            true => Ok(false),
-            false => fs::metadata(path).map(|about| about.is_dir()),
+        if path.to_str().is_some_and(|name| self.held.contains_key(name)) {
+            return Ok(false);
         }
+        fs::metadata(path).map(|about| about.is_dir())
     }
 
     /// Notes a file that is read, or a folder whose files are.
