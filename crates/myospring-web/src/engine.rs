@@ -1,6 +1,7 @@
 //! The engine: holds files and runs, and answers.
 
 use crate::about::About;
+use crate::cells::ShownCells;
 use crate::progress::Told;
 use crate::request::{File, Filmed, Fit, Reading, Request, Setup};
 use base64::Engine as _;
@@ -11,6 +12,7 @@ use myospring::experiment::compare::{Compared, Side};
 use myospring::experiment::fit::FitCell;
 use myospring::experiment::input::ChosenSetting;
 use myospring::experiment::run::{BeatCell, FILE, FinishedRun, OUTPUTS, RunSeries, Style};
+use myospring::experiment::segment::Segment;
 use myospring::experiment::track::Track;
 use myospring::experiment::{Experiment, ExperimentError, Files, Folder, Outcome, input};
 use myospring::fit::FitOptions;
@@ -21,7 +23,7 @@ use myospring::microscopy::outlines::OutlineFormat;
 use myospring::microscopy::picture::Selection;
 use myospring::output::{csv, page};
 use myospring::run_file::RunFile;
-use myospring::settings::{self, Value};
+use myospring::settings::{self, Run, Value};
 use serde::Serialize;
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
@@ -64,6 +66,8 @@ enum Answer {
     },
     /// What a file holds.
     Kind(Held),
+    /// A picture with the cells that it shows.
+    Picture(ShownCells),
     /// Settings by their keys.
     Settings(BTreeMap<&'static str, Value>),
     /// A file.
@@ -127,6 +131,17 @@ impl Engine {
             Request::Analyse(reading) => return self.analyse(&reading),
             Request::Track(film) => return self.track(film),
             Request::Fit(fit) => return self.fit(fit),
+            Request::Cells { settings } => {
+                let shown = ShownCells::of(&self.picture(settings)?.1, &self.files)?;
+                return Ok(Answer::Picture(shown));
+            }
+            Request::Outline { settings, name } => {
+                let (picture, run) = self.picture(settings)?;
+                let (all, refused, of_cut) = (false, None, Vec::new());
+                let found = Segment { picture, run, all, refused, of_cut };
+                let found = found.run(&self.files, &Told::default())?;
+                return Ok(file(&name, &found.encoded(Path::new(&name))?));
+            }
             Request::Open { name } => return self.open(&name),
             Request::SaveAll => {
                 let folder = Folder::in_memory();
@@ -236,6 +251,13 @@ impl Engine {
             |(key, value): &(&str, &Value)| *key == MODEL || usual.get(key) != Some(value);
         let differing = own.values().filter(differs).map(|(key, value)| (key, value.clone()));
         Ok(Answer::Settings(differing.collect()))
+    }
+
+    /// A picture's name and how it is read.
+    fn picture(&self, settings: BTreeMap<String, Value>) -> Result<(String, Run), ExperimentError> {
+        let chosen = chosen(settings)?;
+        let (_, run) = input::settle(None, &chosen, &self.files, &Interruption::default())?;
+        Ok((run.shape.name().to_owned(), run))
     }
 
     fn analyse(&mut self, reading: &Reading) -> Result<Answer, ExperimentError> {

@@ -7,6 +7,7 @@
 //! make it. `cargo xtask web` makes it, and the program of this crate puts the page around it.
 
 mod about;
+mod cells;
 mod engine;
 mod exports;
 mod progress;

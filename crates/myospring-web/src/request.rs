@@ -49,6 +49,18 @@ pub(crate) enum Request {
     },
     /// Holds the files of the last results, so that settings may name them.
     Keep,
+    /// The cells that a picture shows.
+    Cells {
+        /// Settings of shape and segmentation by their keys.
+        settings: BTreeMap<String, Value>,
+    },
+    /// The outline of the cell of a picture, as a file.
+    Outline {
+        /// As of `Cells`.
+        settings: BTreeMap<String, Value>,
+        /// Name of the file; its ending says the format.
+        name: String,
+    },
     /// The labels of the doses of a file of doses.
     Doses {
         /// The file.

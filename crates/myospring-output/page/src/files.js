@@ -2,11 +2,12 @@
 
 import { find } from "./elements.js";
 import { FILMS, TABLES } from "./measured.js";
+import { OutlineView } from "./outline.js";
 
 /** @import { Engine } from "./engine.js" */
 /** @import { Form } from "./form.js" */
 /** @import { Measured } from "./measured.js" */
-/** @import { Answer, Failure, Request } from "./requests.js" */
+/** @import { Answer, Failure, Request, Value } from "./requests.js" */
 
 /** The largest file that is read, bytes. */
 const LARGEST = 500e6;
@@ -23,6 +24,7 @@ const OUTLINES = /\.(geojson|json|roi|zip)$/i;
  * @property {(answer: Answer) => boolean} failed Whether there is an error, which is then shown.
  * @property {(failure: Failure) => void} fail
  * @property {(request: Request) => Promise<number | null>} show
+ * @property {(request: Request) => Promise<void>} save
  */
 
 /** The place where files are chosen, and the page on which they are dropped. */
@@ -35,8 +37,9 @@ export class Files {
   #builtIn = find("built-in", HTMLButtonElement);
   #pixelPlace = find("pixel-place", HTMLElement);
   #pixelSize = find("pixel-size", HTMLInputElement);
-  /** The picture that is the cell. */
-  #picture = "";
+  #outlines = new OutlineView();
+  /** Settings of the picture that is the cell. @type {Record<string, Value>} */
+  #picture = {};
 
   /** @param {Engine} engine @param {Form} form @param {Measured} measured @param {Doing} doing */
   constructor(engine, form, measured, doing) {
@@ -45,16 +48,20 @@ export class Files {
     this.#measured = measured;
     this.#doing = doing;
     this.#input.addEventListener("change", () => this.#take(this.#input.files?.[0]));
-    this.#pixelSize.addEventListener("change", () => {
-      /** @type {Record<string, string>} */
-      const size = this.#pixelSize.value === "" ? {} : { "shape.pixel_size": `${this.#pixelSize.value} um` };
-      form.takeShape({ "shape.picture": this.#picture, ...size });
-    });
+    this.#pixelSize.addEventListener("change", () => this.#change({ "shape.pixel_size": `${this.#pixelSize.value} um` }));
+    const cut = find("allow-cut", HTMLInputElement);
+    cut.addEventListener("change", () => this.#change({ "segmentation.allow_cut": cut.checked }));
     this.#builtIn.addEventListener("click", () => {
-      this.#builtIn.hidden = this.#pixelPlace.hidden = true;
       this.#input.value = "";
+      this.#leave();
       form.takeShape({});
     });
+    this.#outlines.addEventListener("choose", (event) => this.#change({ "segmentation.cell": /** @type {CustomEvent} */ (event).detail }));
+    this.#outlines.addEventListener("edited", () => this.#edit());
+    this.#outlines.addEventListener("painted", (event) => this.#trace(/** @type {CustomEvent} */ (event).detail));
+    for (const button of document.querySelectorAll("[data-outline]")) {
+      button.addEventListener("click", () => doing.save({ ask: "outline", settings: this.#picture, name: button.getAttribute("data-outline") ?? "" }));
+    }
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
       event.preventDefault();
@@ -104,10 +111,64 @@ export class Files {
       if (!this.#doing.failed(answer) && answer.settings !== undefined) this.#form.takeSettings(answer.settings, name);
       return;
     }
-    this.#picture = kind === "picture" ? name : "";
-    this.#pixelSize.value = "";
-    this.#pixelPlace.hidden = this.#picture === "";
+    this.#leave();
     this.#builtIn.hidden = false;
-    this.#form.takeShape({ [`shape.${kind}`]: name });
+    if (kind === "outline") return this.#form.takeShape({ "shape.outline": name });
+    this.#picture = { "shape.picture": name };
+    this.#pixelPlace.hidden = false;
+    await this.#look();
   }
+
+  /** The cell is no picture any more. */
+  #leave() {
+    this.#picture = {};
+    this.#pixelSize.value = "";
+    find("allow-cut", HTMLInputElement).checked = false;
+    this.#builtIn.hidden = this.#pixelPlace.hidden = true;
+    this.#outlines.hide();
+  }
+
+  /** Reads the picture in another way. @param {Record<string, Value>} settings */
+  async #change(settings) {
+    this.#picture = { ...without(this.#picture, "segmentation.outline"), ...settings };
+    await this.#look();
+  }
+
+  /** Shows the cells of the picture, and beats the one that is taken. */
+  async #look() {
+    const { picture, ...answer } = await this.#engine.ask({ ask: "cells", settings: this.#picture });
+    if (this.#doing.failed(answer) || picture === undefined) return this.#outlines.hide();
+    this.#outlines.show(picture);
+    if (picture.taken !== null) this.#form.takeShape(this.#picture);
+    else if (picture.refused !== null) this.#doing.fail({ message: picture.refused, advice: null });
+  }
+
+  /** Beats the outline that a person has drawn. */
+  async #edit() {
+    const name = "edited.geojson";
+    const held = await this.#engine.ask({ ask: "hold", name }, new TextEncoder().encode(this.#outlines.geojson));
+    if (this.#doing.failed(held)) return;
+    this.#picture = { ...without(this.#picture, "segmentation.cell"), "segmentation.outline": name };
+    this.#form.takeShape(this.#picture);
+  }
+
+  /** The outline of what a brush has left. @param {Blob | null} mask */
+  async #trace(mask) {
+    if (mask === null) return;
+    const name = "edited_mask.png";
+    const held = await this.#engine.ask({ ask: "hold", name }, new Uint8Array(await mask.arrayBuffer()));
+    if (this.#doing.failed(held)) return;
+    const { every, pixelSize } = this.#outlines.scale;
+    const settings = { "shape.picture": name, "shape.pixel_size": `${pixelSize * every} um`, "segmentation.modality": "mask", "segmentation.allow_cut": true };
+    const { picture, ...answer } = await this.#engine.ask({ ask: "cells", settings });
+    if (this.#doing.failed(answer) || picture === undefined) return;
+    const whole = picture.cells.find(({ number }) => number === picture.taken);
+    const inPicture = (/** @type {[number, number]} */ [x, y]) => /** @type {[number, number]} */ ([x * every, y * every]);
+    if (whole !== undefined) this.#outlines.take(whole.rings.map((ring) => ring.map(inPicture)));
+  }
+}
+
+/** @param {Record<string, Value>} settings @param {string} key */
+function without(settings, key) {
+  return Object.fromEntries(Object.entries(settings).filter(([other]) => other !== key));
 }

@@ -16,6 +16,8 @@ export type Request =
   | { ask: "kind"; name: string }
   | { ask: "settings"; name: string }
   | { ask: "open"; name: string }
+  | { ask: "cells"; settings: Record<string, Value> }
+  | { ask: "outline"; settings: Record<string, Value>; name: string }
   | ({ ask: "analyse" } & Reading)
   | { ask: "track"; name: string; frame_rate_per_s: number | null; settings: Record<string, Value> }
   | ({ ask: "fit"; settings: Record<string, Value>; free?: string[]; peak_shortening_pct: number | null } & Reading);
@@ -53,8 +55,31 @@ export interface Answer {
   file?: { name: string; base64: string };
   results?: Results;
   kind?: "curves" | "outline" | "film";
+  picture?: ShownCells;
   settings?: Record<string, Value>;
   error?: Failure;
+}
+
+/** A picture with its cells, in columns and rows of the picture. */
+export interface ShownCells {
+  size: [number, number];
+  pixel_size_um: number;
+  /** Grey values in base64, one of each `every` columns and rows. */
+  grey: string;
+  every: number;
+  cells: ShownCell[];
+  taken: number | null;
+  refused: string | null;
+  notes: string[];
+}
+
+export interface ShownCell {
+  number: number;
+  name: string;
+  area_um2: number;
+  confidence: number;
+  reasons: string[];
+  rings: [number, number][][];
 }
 
 export interface Results {

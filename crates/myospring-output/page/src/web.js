@@ -78,7 +78,7 @@ async function start() {
     button.addEventListener("click", () => save(engine, { ask: "save", what }));
   }
   setUpMeasured(engine, form, measured);
-  new Files(engine, form, measured, { failed, fail, show: (request) => show(engine, request) });
+  new Files(engine, form, measured, { failed, fail, show: (request) => show(engine, request), save: (request) => save(engine, request) });
   find("save-all", HTMLButtonElement).addEventListener("click", () => work(engine, { ask: "save-all" }, "Saving"));
   find("link", HTMLButtonElement).addEventListener("click", () => link(form));
   if (!(await taken(engine, form))) want(engine, form.setup);

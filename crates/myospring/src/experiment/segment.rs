@@ -159,7 +159,10 @@ impl Segmented {
     }
 
     /// The outlines in the format that the ending of a file names ([`ENDINGS`]).
-    fn encoded(&self, file: &Path) -> Result<Vec<u8>, ExperimentError> {
+    ///
+    /// # Errors
+    /// A format that is not known, or that cannot hold these outlines.
+    pub fn encoded(&self, file: &Path) -> Result<Vec<u8>, ExperimentError> {
         let frame = self.cells.frame().map_err(ExperimentError::new)?;
         formats::encoded(file, &named(self.chosen.iter().map(|chosen| &chosen.cell)), &frame)
     }
