@@ -1,8 +1,9 @@
 // Files that are dropped on the page or chosen: each goes where it belongs.
 
-import { find } from "./elements.js";
+import { find, make } from "./elements.js";
 import { FILMS, TABLES } from "./measured.js";
 import { OutlineView } from "./outline.js";
+import { drawn, SAMPLES, PIXEL_UM } from "./samples.js";
 
 /** @import { Engine } from "./engine.js" */
 /** @import { Form } from "./form.js" */
@@ -62,6 +63,9 @@ export class Files {
     for (const button of document.querySelectorAll("[data-outline]")) {
       button.addEventListener("click", () => doing.save({ ask: "outline", settings: this.#picture, name: button.getAttribute("data-outline") ?? "" }));
     }
+    const sample = find("sample-picture", HTMLSelectElement);
+    sample.append(...Object.keys(SAMPLES).map((name) => make("option", { value: name }, name)));
+    sample.addEventListener("change", () => this.#try(sample.value));
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
       event.preventDefault();
@@ -85,6 +89,19 @@ export class Files {
     if (this.#doing.failed(held)) return;
     const kind = await this.#kind(name);
     if (kind !== null) await this.#use(name, kind);
+  }
+
+  /** Takes a made-up picture. @param {string} name */
+  async #try(name) {
+    if (name === "") return;
+    const file = `${name.replaceAll(" ", "_")}.png`;
+    const held = await this.#engine.ask({ ask: "hold", name: file }, await drawn(name));
+    if (this.#doing.failed(held)) return;
+    this.#leave();
+    this.#pixelPlace.hidden = this.#builtIn.hidden = false;
+    this.#pixelSize.value = String(PIXEL_UM);
+    this.#picture = { "shape.picture": file, "shape.pixel_size": `${PIXEL_UM} um` };
+    await this.#look();
   }
 
   /** What a file is; of some the name does not say it. @param {string} name @returns {Promise<Kind | null>} */
@@ -114,6 +131,7 @@ export class Files {
     this.#leave();
     this.#builtIn.hidden = false;
     if (kind === "outline") return this.#form.takeShape({ "shape.outline": name });
+    find("sample-picture", HTMLSelectElement).value = "";
     this.#picture = { "shape.picture": name };
     this.#pixelPlace.hidden = false;
     await this.#look();

@@ -72,7 +72,7 @@ export class OutlineView extends EventTarget {
     this.#svg = draw("svg", { viewBox: `0 0 ${width * every} ${height * every}`, role: "group", "aria-label": "Cells of the picture" });
     this.#svg.addEventListener("pointerdown", (event) => this.#paint(/** @type {PointerEvent} */ (event)));
     this.#place.replaceChildren(canvas, this.#svg);
-    this.#place.style.maxWidth = `calc(70vh * ${width / height})`;
+    this.#place.style.maxWidth = `calc(55vh * ${width / height})`;
     this.#section.hidden = false;
     this.#draw();
   }
@@ -123,7 +123,8 @@ export class OutlineView extends EventTarget {
     const one = this.#taken;
     const found = cells.length === 1 ? "One cell was found." : `${cells.length} cells were found; a click takes another.`;
     const doubts = one === undefined ? "" : one.reasons.map((reason) => ` ${reason}.`).join("");
-    this.#words.textContent = refused ?? (one === undefined ? found : `${found} ${aboutOf(one)}.${doubts}`);
+    const isEdited = one !== undefined && this.#rings !== one.rings;
+    this.#words.textContent = isEdited ? "The outline is your own now: no confidence is stated for it." : refused ?? (one === undefined ? found : `${found} ${aboutOf(one)}.${doubts}`);
   }
 
   /** Handles of the outer ring. */
@@ -223,5 +224,5 @@ function pathOf(rings) {
 
 /** @param {ShownCell} cell */
 function aboutOf({ name, area_um2: area, confidence }) {
-  return `Cell ${name}: ${area.toPrecision(3)} \u00b5m\u00b2, confidence ${confidence.toFixed(2)}`;
+  return `Cell ${name}: ${Math.round(area)} \u00b5m\u00b2, confidence ${confidence.toFixed(2)}`;
 }

@@ -45,8 +45,16 @@ const MODULES: [(&str, &str); 20] = modules![
 const REPORT: [(&str, &str); 1] = modules!["report.js"];
 
 /// The modules of the page that simulates.
-const WEB: [(&str, &str); 7] =
-    modules!["engine.js", "form.js", "link.js", "measured.js", "outline.js", "files.js", "web.js"];
+const WEB: [(&str, &str); 8] = modules![
+    "engine.js",
+    "form.js",
+    "link.js",
+    "measured.js",
+    "outline.js",
+    "samples.js",
+    "files.js",
+    "web.js"
+];
 
 /// The library for curves, as its authors publish it (`page/vendor`).
 const CURVES: [&str; 2] = [
