@@ -12,7 +12,7 @@ const LARGEST: u64 = 4_000_000;
 pub(crate) fn run() -> Result<(), String> {
     toolchain()?;
     let around = cargo(["run", "--quiet", "-p", "myospring-web", "--locked", "--"]);
-    let (_, page) = build("dist", around)?;
+    let (_, page) = build("web", around)?;
     let size = std::fs::metadata(&page).map_or(0, |file| file.len());
     say(&format!("{}: {:.2} MB\n", page.display(), size as f64 / 1e6));
     if size > LARGEST {
