@@ -70,11 +70,13 @@ fn small_cell(angle: f64, spacing: f64) -> Mesh {
     lattice::from_outline(&outline, Some(spacing)).unwrap().0
 }
 
+// Below a disturbance of 1 nm the rounding of a position of 100 um and the third derivative of the energy exceed the
+// tolerances, which are parts of the forces; at rest itself the next test looks.
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
     fn every_force_keeps_its_promises_on_any_turned_cell(
-        angle in 0.0..180.0_f64, spacing in 3.0..5.0_f64, tension in -20.0..60.0_f64, size in 0.0..0.3_f64,
+        angle in 0.0..180.0_f64, spacing in 3.0..5.0_f64, tension in -20.0..60.0_f64, size in 1e-3..0.3_f64,
     ) {
         let mesh = small_cell(angle, spacing);
         let (positions, velocities) = disturbed(&mesh, size);
