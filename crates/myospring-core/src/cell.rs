@@ -32,6 +32,7 @@ pub mod calcium;
 mod cell_model;
 pub mod coelho_2021;
 mod description;
+pub mod equations;
 mod exponential;
 mod fixed;
 pub mod given_tension;
