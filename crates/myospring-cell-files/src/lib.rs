@@ -1,0 +1,108 @@
+//! Published cell models in files: CellML 1.0, 1.1 and 2.0, and Myokit's `.mmt`, read to
+//! [`Equations`].
+//!
+//! A file is foreign input: its size, depth and number of operations are bounded, imports stay in
+//! its folder, and everything that cannot be read is one [`ReadError`] with file, component and line.
+//!
+//! # Example
+//! ```
+//! use myospring_cell_files::{Choices, read};
+//!
+//! let text = "[[model]]\nmembrane.V = -80\n\n[engine]\ntime = 0 [ms] in [ms] bind time\n\n\
+//!             [membrane]\ndot(V) = -0.1 [1/ms] * (V + 80 [mV]) in [mV]\n";
+//! let equations = read("decay.mmt", text, &Choices::default(), &|_| None)?;
+//! assert_eq!(equations.states[0].name, "membrane.V");
+//! assert_eq!(equations.evaluate(&[], &[-70.0], 0.0, 0.0).rates(), [-1.0]);
+//! # Ok::<(), myospring_cell_files::ReadError>(())
+//! ```
+
+mod assemble;
+mod cellml;
+mod draft;
+mod emit;
+mod files;
+mod mmt;
+mod removable;
+mod roles;
+mod stimulus;
+mod unit;
+
+use myospring_core::cell::equations::Equations;
+use std::fmt;
+
+pub use files::open;
+
+/// The longest file, bytes.
+pub const LONGEST_FILE: usize = 8 << 20;
+
+/// Variables that the user names, `component.variable`; what is not named is found.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Choices {
+    /// The membrane potential.
+    pub potential: Option<String>,
+    /// The stimulus current.
+    pub stimulus: Option<String>,
+    /// Free calcium in the cytosol.
+    pub calcium: Option<String>,
+    /// Active tension.
+    pub tension: Option<String>,
+}
+
+/// Why a file cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub struct ReadError {
+    /// The file.
+    pub file: String,
+    /// The line, from 1, if it has one.
+    pub line: Option<usize>,
+    /// The component, if the reason lies in one.
+    pub component: Option<String>,
+    /// What is wrong, and how to mend it.
+    pub reason: String,
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, form: &mut fmt::Formatter<'_>) -> fmt::Result {
+        form.write_str(&self.file)?;
+        if let Some(line) = self.line {
+            write!(form, ", line {line}")?;
+        }
+        if let Some(component) = &self.component {
+            write!(form, ", component {component}")?;
+        }
+        write!(form, ": {}", self.reason)
+    }
+}
+
+/// Whether a name ends as a model file does: `.mmt`, `.cellml`.
+pub fn is_model_file(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    [".mmt", ".cellml"].iter().any(|ending| name.ends_with(ending) && name.len() > ending.len())
+}
+
+/// Reads the text of a model file. `beside` returns the text of an imported file, by its path
+/// relative to the folder of the file, or `None` if there is none.
+///
+/// # Errors
+/// Text that is not a model, or a model that cannot be simulated; the error says where and why.
+pub fn read(
+    file: &str,
+    text: &str,
+    choices: &Choices,
+    beside: &dyn Fn(&str) -> Option<String>,
+) -> Result<Equations, ReadError> {
+    if text.len() > LONGEST_FILE {
+        return Err(ReadError {
+            file: file.to_owned(),
+            line: None,
+            component: None,
+            reason: format!("the file is longer than {} MB", LONGEST_FILE >> 20),
+        });
+    }
+    let start = text.trim_start_matches('\u{feff}').trim_start();
+    let draft =
+        if start.starts_with('<') { cellml::parse(file, text, beside) } else { mmt::parse(text) };
+    draft
+        .and_then(|draft| assemble::assemble(file, draft, choices))
+        .map_err(|problem| problem.in_file(file))
+}
