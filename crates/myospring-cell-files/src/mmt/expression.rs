@@ -220,8 +220,6 @@ impl Expressions {
                 let value = self.bounded(terms, scope, PREFIX)?;
                 terms.unary(U::Not, value)
             }
-            Token::Name(word) if word == "inf" => terms.number(f64::INFINITY),
-            Token::Name(word) if word == "nan" => terms.number(f64::NAN),
             Token::Name(word) if self.peek() == &Token::Sign("(") => {
                 self.call(terms, scope, &word, line)
             }
@@ -400,6 +398,10 @@ impl Expressions {
                 nested.or_else(|| alias().and_then(|name| names.get(name)))
             };
             let Some(&index) = found else {
+                if let Some(number) = constant(&pending.name) {
+                    terms.0[pending.term] = Term::Number(number);
+                    continue;
+                }
                 let reason = format!("there is no variable `{}`", pending.name);
                 return Err(Problem::at(pending.line, reason).within(component));
             };
@@ -409,6 +411,15 @@ impl Expressions {
             };
         }
         Ok(())
+    }
+}
+
+/// `inf` and `nan`, where no variable has that name.
+fn constant(name: &str) -> Option<f64> {
+    match name {
+        "inf" => Some(f64::INFINITY),
+        "nan" => Some(f64::NAN),
+        _ => None,
     }
 }
 
