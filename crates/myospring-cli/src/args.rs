@@ -425,13 +425,31 @@ pub(crate) struct StudyInitArgs {
 
 /// `myospring models`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  myospring models\n  myospring models coelho_2021 --json")]
+#[command(after_help = "Examples:\n  myospring models\n  myospring models coelho_2021 --json\n  \
+    myospring models paci-2020.mmt\n  \
+    myospring models paci-2020.mmt --rates\n  \
+    myospring models model.cellml --stimulus membrane.i_app")]
 pub(crate) struct ModelsArgs {
-    /// Show the parameters of this model
+    /// Show the parameters of this model, or what is in this .cellml or .mmt file
     pub(crate) name: Option<String>,
     /// Print as JSON
     #[arg(long)]
     pub(crate) json: bool,
+    /// Print the rates of all states at the start, per ms, without a stimulus, as JSON
+    #[arg(long, requires = "name", conflicts_with = "json")]
+    pub(crate) rates: bool,
+    /// The membrane potential in a file that does not say: component.variable
+    #[arg(long, requires = "name", value_name = "VARIABLE")]
+    pub(crate) potential: Option<String>,
+    /// The stimulus current in a file that does not say
+    #[arg(long, requires = "name", value_name = "VARIABLE")]
+    pub(crate) stimulus: Option<String>,
+    /// Free calcium of the cytosol in a file that does not say
+    #[arg(long, requires = "name", value_name = "VARIABLE")]
+    pub(crate) calcium: Option<String>,
+    /// Active tension in a file that does not say
+    #[arg(long, requires = "name", value_name = "VARIABLE")]
+    pub(crate) tension: Option<String>,
 }
 
 /// `myospring schema`.

@@ -1,5 +1,7 @@
 //! `myospring models`, `init` and `schema`.
 
+mod model_files;
+
 use crate::args::{InitArgs, LIST, ModelsArgs, SchemaArgs, SchemaOf};
 use crate::exit::ExitCode;
 use crate::failure::Failure;
@@ -7,6 +9,7 @@ use crate::files::FILES;
 use crate::print;
 use crate::table::aligned;
 use myospring::cell::{self, CellModel};
+use myospring::cell_files;
 use myospring::output::json;
 use myospring::parameter::ParameterSet;
 use myospring::run_file::{self, PRESETS};
@@ -38,9 +41,15 @@ impl<'a> Model<'a> {
 }
 
 pub(crate) fn models(args: &ModelsArgs) -> Result<ExitCode, Failure> {
+    if let Some(name) = args.name.as_ref().filter(|name| cell_files::is_model_file(name)) {
+        print::out(&model_files::text(args, name)?)?;
+        return Ok(ExitCode::SUCCESS);
+    }
     if let Some(name) = &args.name {
         let model = cell::model(name).map_err(Failure::new)?;
-        let text = if args.json {
+        let text = if args.rates {
+            model_files::rates_of(&*model)?
+        } else if args.json {
             json::pretty(&Model::of(&*model, true))?
         } else {
             of_parameters(&*model)

@@ -65,6 +65,9 @@ pub use myospring_core::testing;
 #[cfg(feature = "microscopy")]
 #[doc(inline)]
 pub use myospring_microscopy as microscopy;
+#[cfg(feature = "run-file")]
+#[doc(inline)]
+pub use myospring_cell_files as cell_files;
 #[cfg(feature = "output")]
 #[doc(inline)]
 pub use myospring_output as output;
