@@ -236,12 +236,11 @@ fn assigned(
         StimulusAt::Variable(index, _) => Some(&draft.variables[index]),
         _ => None,
     };
-    let unit = match own {
-        Some(own) => own.unit.map_or_else(String::new, Unit::text),
-        None => {
-            let unit = draft.variables[*state].unit.map_or_else(String::new, Unit::text);
-            format!("{}/ms", if unit.is_empty() { "1" } else { &unit })
-        }
+    let unit = if let Some(own) = own {
+        own.unit.map_or_else(String::new, Unit::text)
+    } else {
+        let unit = draft.variables[*state].unit.map_or_else(String::new, Unit::text);
+        format!("{}/ms", if unit.is_empty() { "1" } else { &unit })
     };
     Ok(Roles {
         potential: PotentialRole {

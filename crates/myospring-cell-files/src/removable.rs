@@ -32,10 +32,11 @@ pub(crate) fn remove(draft: &mut Draft, values: &[f64]) -> Result<usize, Problem
     for root in 0..count {
         let is_product =
             matches!(pass.draft.terms.0[root], Term::Binary(B::Multiply | B::Divide, ..));
-        if is_product && !is_factor[root] {
-            if let Some(new) = pass.product(root)? {
-                found.insert(root, new);
-            }
+        if is_product
+            && !is_factor[root]
+            && let Some(new) = pass.product(root)?
+        {
+            found.insert(root, new);
         }
     }
     if found.is_empty() {

@@ -164,7 +164,7 @@ fn potential(draft: &Draft, choice: Option<usize>) -> Result<(usize, usize, Foun
 }
 
 /// The states that a variable follows from.
-fn states_of(draft: &Draft, index: usize) -> Vec<usize> {
+pub(crate) fn states_of(draft: &Draft, index: usize) -> Vec<usize> {
     let mut seen_terms = vec![false; draft.terms.0.len()];
     let mut seen = vec![false; draft.variables.len()];
     let mut open = vec![index];

@@ -2,7 +2,7 @@
 
 use crate::draft::{Draft, Kind, Problem};
 use crate::emit::{Emission, Item, StimulusAt};
-use crate::roles::{named, tagged};
+use crate::roles::{named, states_of, tagged};
 use crate::unit::Unit;
 use myospring_core::cell::equations::{DefaultStimulus, Found};
 
@@ -80,13 +80,18 @@ fn candidate(draft: &Draft) -> Option<(usize, Found)> {
                 .any(|&current| unit.same_dimension(current))
         })
     };
+    // Sinoatrial cells have a sustained inward current of the same name.
+    let is_applied = |index: usize| states_of(draft, index).is_empty();
     let annotated =
         |tag: &str| tagged(draft, tag).map(|index| (index, Found::Annotation(tag.to_owned())));
     annotated("oxmeta membrane_stimulus_current")
         .or_else(|| annotated("label stimulus_current"))
         .or_else(|| paced(draft, &is_current))
-        .or_else(|| named(draft, &NAMES, &is_current).map(|index| (index, Found::Name)))
-        .or_else(|| named(draft, &NAMES, &|_| true).map(|index| (index, Found::Name)))
+        .or_else(|| {
+            named(draft, &NAMES, &|index| is_current(index) && is_applied(index))
+                .map(|index| (index, Found::Name))
+        })
+        .or_else(|| named(draft, &NAMES, &is_applied).map(|index| (index, Found::Name)))
 }
 
 /// The current that the variable bound to pacing makes, or that variable itself.
@@ -130,7 +135,7 @@ fn assumed(draft: &Draft, potential: usize, weight: f64) -> DefaultStimulus {
         amplitude: jump / weight.abs(),
         duration_ms: 1.0,
         period_ms: None,
-        found: Found::Reason("assumed: the file states no pulse".to_owned()),
+        found: Found::Reason("assumed: the file states no usable pulse".to_owned()),
     }
 }
 
@@ -147,9 +152,13 @@ fn default(
     };
     let signed = found
         .map(|pulse| DefaultStimulus { amplitude: pulse.amplitude * weight.signum(), ..pulse });
-    Ok(signed
-        .filter(|pulse| pulse.amplitude > 0.0)
-        .unwrap_or_else(|| assumed(draft, potential, weight)))
+    let volts = draft.variables[potential].unit.and_then(|unit| unit.in_units_of(Unit::VOLT));
+    // 10 V/ms is a mistake of the file: no cell is stimulated so.
+    let is_plausible = |pulse: &DefaultStimulus| {
+        volts.is_none_or(|volts| pulse.amplitude * weight.abs() * volts < 10.0)
+    };
+    let usual = signed.filter(|pulse| pulse.amplitude > 0.0 && is_plausible(pulse));
+    Ok(usual.unwrap_or_else(|| assumed(draft, potential, weight)))
 }
 
 /// The pulse of a `.mmt` file: the level of its protocol, through the variable bound to pacing.

@@ -92,7 +92,7 @@ const PREFIXES: [(&str, &str, i32); 20] = [
 ];
 
 /// Usual ways to write units, tried in order.
-const USUAL: [&str; 62] = [
+const USUAL: [&str; 63] = [
     "mV",
     "V",
     "ms",
@@ -107,6 +107,7 @@ const USUAL: [&str; 62] = [
     "mV/ms",
     "V/s",
     "uA/cm^2",
+    "A/m^2",
     "pA",
     "nA",
     "uA",

@@ -52,6 +52,7 @@ fn rates_of_published_models_are_those_of_myokit() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+#[allow(clippy::unwrap_used)]
 /// The largest difference of rates, relative to the larger of rate and state.
 fn difference(
     equations: &myospring_core::cell::equations::Equations,

@@ -13,7 +13,7 @@ type Place2 = (usize, usize);
 pub(super) fn draft(model: &Model) -> Result<Draft, Problem> {
     let mut finish = Finish::new(model)?;
     finish.sources()?;
-    finish.variables()?;
+    finish.variables();
     finish.times()?;
     finish.values()?;
     Ok(finish.draft)
@@ -167,7 +167,7 @@ impl<'a> Finish<'a> {
     }
 
     /// Makes the variables of the draft, one for each group, without values.
-    fn variables(&mut self) -> Result<(), Problem> {
+    fn variables(&mut self) {
         let mut tags: HashMap<usize, Vec<String>> = HashMap::new();
         let mut owner: HashMap<usize, usize> = HashMap::new();
         for index in 0..self.all.len() {
@@ -196,7 +196,6 @@ impl<'a> Finish<'a> {
                 kind: Kind::Value(usize::MAX),
             });
         }
-        Ok(())
     }
 
     /// Finds the independent variable.
@@ -295,19 +294,18 @@ impl<'a> Finish<'a> {
         };
         let (component, variable) = self.variable(holder);
         let text = variable.initial.as_deref().unwrap_or("");
-        let value = match text.parse::<f64>() {
-            Ok(number) => self.draft.terms.number(number)?,
-            Err(_) => {
-                let index = self.all[holder].0;
-                let Some(&other) = self.by_name.get(&(index, text)) else {
-                    let reason = format!(
-                        "the initial value `{text}` of {} is neither a number nor a variable of {}",
-                        variable.name, component.name
-                    );
-                    return Err(self.problem(holder, reason));
-                };
-                self.reference(other)?
-            }
+        let value = if let Ok(number) = text.parse::<f64>() {
+            self.draft.terms.number(number)?
+        } else {
+            let index = self.all[holder].0;
+            let Some(&other) = self.by_name.get(&(index, text)) else {
+                let reason = format!(
+                    "the initial value `{text}` of {} is neither a number nor a variable of {}",
+                    variable.name, component.name
+                );
+                return Err(self.problem(holder, reason));
+            };
+            self.reference(other)?
         };
         self.converted(value, variable.unit, self.variable(source).1.unit)
     }
@@ -355,17 +353,16 @@ impl<'a> Finish<'a> {
                                 .within(&own.name)
                         });
                     };
-                    places.push(match step {
-                        Step::Variable(_) => self.reference(index)?,
-                        _ => {
-                            let group = self.group[index];
-                            let rate = self.draft.terms.push(Term::Rate(self.place[&group]))?;
-                            let (from, to) = (
-                                self.variable(self.source[&group]).1.unit,
-                                self.variable(index).1.unit,
-                            );
-                            self.draft.terms.scaled(rate, from.in_units_of(to).unwrap_or(1.0))?
-                        }
+                    places.push(if let Step::Variable(_) = step {
+                        self.reference(index)?
+                    } else {
+                        let group = self.group[index];
+                        let rate = self.draft.terms.push(Term::Rate(self.place[&group]))?;
+                        let (from, to) = (
+                            self.variable(self.source[&group]).1.unit,
+                            self.variable(index).1.unit,
+                        );
+                        self.draft.terms.scaled(rate, from.in_units_of(to).unwrap_or(1.0))?
                     });
                     continue;
                 }

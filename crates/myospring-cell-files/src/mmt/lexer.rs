@@ -109,16 +109,17 @@ impl Lexer {
         let text = text.trim();
         let (text, used) = match text.strip_prefix("\"\"\"") {
             None => (text.to_owned(), 1),
-            Some(start) => match start.split_once("\"\"\"") {
-                Some((inside, _)) => (inside.to_owned(), 1),
-                None => {
+            Some(start) => {
+                if let Some((inside, _)) = start.split_once("\"\"\"") {
+                    (inside.to_owned(), 1)
+                } else {
                     let further = lines_to_end(&lines[1..]);
                     let inside = lines[1..=further.min(lines.len() - 1)].iter();
                     let inside: Vec<&str> =
                         inside.map(|line| line.trim().trim_end_matches("\"\"\"")).collect();
                     (format!("{start}\n{}", inside.join("\n")), 1 + further)
                 }
-            },
+            }
         };
         self.tokens.push((Token::Text(text.trim().to_owned()), number));
         self.tokens.push((Token::EndOfLine, number));

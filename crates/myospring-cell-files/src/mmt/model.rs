@@ -253,7 +253,7 @@ impl Parser {
                 variable.kind = Kind::Time;
                 match variable.unit.map(|unit| unit.in_units_of(Unit::SECOND)) {
                     Some(Some(seconds)) => {
-                        self.draft.milliseconds = crate::cellml::milliseconds(seconds)
+                        self.draft.milliseconds = crate::cellml::milliseconds(seconds);
                     }
                     None => self
                         .draft

@@ -115,6 +115,7 @@ fn found(equations: &Equations) -> String {
         ]);
     }
     parts.push(aligned(&constants, &[1, 3]));
+    let parts: Vec<&str> = parts.iter().map(|part| part.trim_end()).collect();
     parts.join("\n\n")
 }
 
