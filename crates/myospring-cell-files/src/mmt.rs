@@ -28,7 +28,7 @@ pub(crate) fn parse(text: &str) -> Result<Draft, Problem> {
         return Err(Problem::new("the file has no [[model]] section"));
     };
     let mut draft = model::parse(lexer::tokens(lines, *first)?)?;
-    draft.format = "Myokit".to_owned();
+    "Myokit".clone_into(&mut draft.format);
     for (first, name, lines) in &sections {
         match *name {
             "model" => {}

@@ -22,9 +22,7 @@ pub(super) fn read(
         }
     }
     let mut units = known.clone();
-    elements.keys().for_each(|name| {
-        units.remove(*name);
-    });
+    units.retain(|name, _| !elements.contains_key(name.as_str()));
     for name in elements.keys() {
         resolve(name, &elements, &mut units, 0)?;
     }
