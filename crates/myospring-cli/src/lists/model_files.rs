@@ -13,12 +13,12 @@ use std::path::Path;
 
 #[derive(Serialize)]
 struct Rates<'a> {
-    states: Vec<Rate<'a>>,
+    states: Vec<StateAtStart<'a>>,
 }
 
 /// A state at the start, and its rate per ms without a stimulus.
 #[derive(Serialize)]
-struct Rate<'a> {
+struct StateAtStart<'a> {
     name: &'a str,
     unit: &'a str,
     value: f64,
@@ -31,7 +31,7 @@ pub(super) fn rates_of(model: &dyn CellModel) -> Result<String, Failure> {
     let mut rates = vec![0.0; start.len()];
     model.derivatives(&start, &Input::REST, &mut rates);
     let states = model.states().iter().zip(rates);
-    let states = states.map(|(state, rate)| Rate {
+    let states = states.map(|(state, rate)| StateAtStart {
         name: &state.name,
         unit: &state.unit,
         value: state.start,
@@ -58,7 +58,7 @@ pub(super) fn text(args: &ModelsArgs, name: &str) -> Result<String, Failure> {
     let rates =
         equations.evaluate(&equations.constant_values(), &equations.start(), 0.0, 0.0).rates();
     let states = equations.states.iter().zip(rates);
-    let states = states.map(|(state, rate)| Rate {
+    let states = states.map(|(state, rate)| StateAtStart {
         name: &state.name,
         unit: &state.unit,
         value: state.start,
