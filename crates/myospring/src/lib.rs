@@ -59,15 +59,15 @@ pub use myospring_core::{
 
 pub mod prelude;
 
+#[cfg(feature = "run-file")]
+#[doc(inline)]
+pub use myospring_cell_files as cell_files;
 #[cfg(feature = "testing")]
 #[doc(inline)]
 pub use myospring_core::testing;
 #[cfg(feature = "microscopy")]
 #[doc(inline)]
 pub use myospring_microscopy as microscopy;
-#[cfg(feature = "run-file")]
-#[doc(inline)]
-pub use myospring_cell_files as cell_files;
 #[cfg(feature = "output")]
 #[doc(inline)]
 pub use myospring_output as output;
