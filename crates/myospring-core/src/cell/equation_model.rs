@@ -20,8 +20,6 @@ mod build;
 mod describe;
 pub mod example;
 mod jumps;
-#[cfg(test)]
-mod tests;
 
 use super::cell_model::{
     BatchSettings, CellModel, CellOutcome, Filaments, InFits, Paced, SideBySide,

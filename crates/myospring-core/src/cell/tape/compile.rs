@@ -128,12 +128,6 @@ impl Tape {
         let roots = roots.iter().map(|root| rows.of(*root)).collect();
         Self { runs, roots, rows: rows.count }
     }
-
-    /// Number of instructions.
-    #[cfg(test)]
-    pub(super) fn len(&self) -> usize {
-        self.runs.iter().map(|run| run.instructions.len()).sum()
-    }
 }
 
 /// The kind of a moving operation; `None` for an input.
