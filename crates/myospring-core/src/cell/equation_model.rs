@@ -2,7 +2,7 @@
 //!
 //! [`EquationModel`] is a [`CellModel`] like any other: its parameters are the constants of the
 //! equations, its outputs their other variables. The equations are compiled once
-//! ([`tape`](super::tape)); the Jacobian is exact. A model with calcium can take the myofilaments of
+//! (module `tape`); the Jacobian is exact. A model with calcium can take the myofilaments of
 //! `land_2017` ([`EquationModel::with_myofilaments`]), which give it tension in kPa.
 //!
 //! # Example
