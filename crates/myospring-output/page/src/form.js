@@ -83,6 +83,8 @@ export class Form extends EventTarget {
   constructor(about) {
     super();
     this.#about = about;
+    this.#doses.addEventListener("change", () => this.dispatchEvent(new Event("doses")));
+    this.#dose.addEventListener("change", () => this.tell());
     this.#build();
     this.#place.addEventListener("submit", (event) => event.preventDefault());
     this.#place.addEventListener("reset", (event) => {
@@ -215,8 +217,6 @@ export class Form extends EventTarget {
     this.#doses.value ||= this.#about.doses;
     const drug = make("details", {}, make("summary", {}, "Drug"), this.#doses, make("label", { class: "choice" }, "Dose ", this.#dose));
     if (this.#dose.childElementCount === 0) this.offerDoses([]);
-    this.#doses.addEventListener("change", () => this.dispatchEvent(new Event("doses")));
-    this.#dose.addEventListener("change", () => this.tell());
     const reset = make("button", { type: "reset" }, "All as published");
     this.#place.replaceChildren(fieldset("Cell", this.#row(SHAPE), this.#modelRow(), parameters, drug), ...groups, reset);
     this.#showParameters();

@@ -1,7 +1,7 @@
 // The page: a form, an engine, and what a report shows.
 
 import { find, make } from "./elements.js";
-import { Engine, Stopped } from "./engine.js";
+import { bytesOf, Engine, Stopped } from "./engine.js";
 import { Files } from "./files.js";
 import { Form } from "./form.js";
 import { keptIn, linkOf } from "./link.js";
@@ -258,8 +258,7 @@ function setUpMeasured(engine, form, measured) {
 async function save(engine, request) {
   const answer = await engine.ask(request);
   if (failed(answer) || answer.file === undefined) return;
-  const bytes = Uint8Array.from(atob(answer.file.base64), (letter) => letter.charCodeAt(0));
-  const address = URL.createObjectURL(new Blob([bytes]));
+  const address = URL.createObjectURL(new Blob([bytesOf(answer.file.base64)]));
   make("a", { href: address, download: answer.file.name }).click();
   setTimeout(() => URL.revokeObjectURL(address), 1000);
 }

@@ -23,17 +23,21 @@ addEventListener("message", async ({ data: { module, number, request, bytes } })
     engine.then((instance) => (told = instance));
     return;
   }
-  const { memory, input, answer, answer_place: place, answer_length: length } = (await engine).exports;
-  const text = new TextEncoder().encode(request);
-  const at = input(text.length + bytes.length);
-  new Uint8Array(memory.buffer, at, text.length).set(text);
-  new Uint8Array(memory.buffer, at + text.length, bytes.length).set(bytes);
-  let panic = null;
+  let [said, panic] = ["", /** @type {string | null} */ (null)];
   try {
-    answer(text.length);
+    const { memory, input, answer, answer_place: place, answer_length: length } = (await engine).exports;
+    const text = new TextEncoder().encode(request);
+    try {
+      const at = input(text.length + bytes.length);
+      new Uint8Array(memory.buffer, at, text.length).set(text);
+      new Uint8Array(memory.buffer, at + text.length, bytes.length).set(bytes);
+      answer(text.length);
+    } catch (error) {
+      panic = String(error);
+    }
+    said = new TextDecoder().decode(new Uint8Array(memory.buffer, place(), length()));
   } catch (error) {
-    panic = String(error);
+    panic ??= String(error);
   }
-  const said = new TextDecoder().decode(new Uint8Array(memory.buffer, place(), length()));
   postMessage({ number, said, panic });
 });

@@ -7,6 +7,7 @@ import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 import { violationsOn } from "./axe.js";
+import "./parts.js";
 import { analyse, batch, beat, beatIn, compare, fit, folder, payloadOf } from "./program.js";
 
 /** @import { Browser, BrowserContextOptions, Page } from "playwright-core" */
