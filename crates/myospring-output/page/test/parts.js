@@ -9,27 +9,29 @@ import { chromium } from "playwright-core";
 
 const SOURCE = new URL("../src/", import.meta.url);
 
-/** Holds files, runs if it has the file that a run names, and panics at a run called `panic`. */
+/** Holds files, runs if it has the file that a run names, and panics at a run called `panic`. A pinned run has its file as it was. */
 const MADE_UP = `
-const held = new Set();
-let pinned = 0;
-addEventListener("message", ({ data: { module, number, request } }) => {
+const held = new Map();
+let ran = "";
+let pinned = [];
+addEventListener("message", ({ data: { module, number, request, bytes } }) => {
   if (module !== undefined) return;
   const asked = JSON.parse(request);
   const say = (answer) => postMessage({ number, said: JSON.stringify(answer), panic: null });
   const lacks = (name) => say({ error: { message: "there is no " + name, advice: null } });
-  if (asked.ask === "hold") held.add(asked.name);
-  if (asked.ask === "keep") held.add("tension.csv");
-  if (asked.ask === "pin") pinned++;
-  if (asked.ask === "unpin") pinned = 0;
+  if (asked.ask === "hold") held.set(asked.name, new TextDecoder().decode(bytes));
+  if (asked.ask === "keep") held.set("tension.csv", "fitted");
+  if (asked.ask === "pin") pinned.push(ran);
+  if (asked.ask === "unpin") pinned = [];
   if (asked.ask === "about") return;
   if (asked.ask === "fit") return say({ results: { page: null, files: [{ name: "tension.csv", bytes: 3 }] } });
-  if (asked.ask === "result") return say({ file: { name: asked.name, base64: btoa("1,2") } });
+  if (asked.ask === "result") return say({ file: { name: asked.name, base64: btoa("fitted") } });
   if (asked.ask === "run" && asked.label === "panic") return postMessage({ number, said: "panicked at a test", panic: "unreachable" });
   if (asked.ask === "run" && asked.label === "memory") return postMessage({ number, said: "{}", panic: "unreachable" });
   const needed = asked.settings?.["cell.tension"];
   if (needed !== undefined && !held.has(needed)) return lacks(needed);
-  say({ kind: pinned + " pinned" });
+  if (asked.ask === "run") ran = held.get(needed) ?? "nothing";
+  say({ kind: asked.ask === "run" ? [ran, ...pinned].join(", ") : "done" });
 });`;
 
 /** @param {(page: Page) => Promise<void>} work */
@@ -67,16 +69,18 @@ test("a new engine knows what a fit has kept, and the files as they were when a 
       const { engine, run, said } = /** @type {any} */ (globalThis);
       const needs = () => said(engine.ask(run("fitted", { "cell.tension": "tension.csv" })));
       await engine.ask({ ask: "fit" });
-      const before = await needs();
+      const answers = [await needs()];
       await engine.ask({ ask: "keep" });
-      const kept = await needs();
-      await engine.ask({ ask: "pin" });
-      await engine.ask({ ask: "hold", name: "tension.csv" }, new Uint8Array([1]));
       const waiting = said(engine.ask({ ask: "about" }));
       engine.stop();
-      return [before, kept, await waiting, await needs()];
+      answers.push(await waiting, await needs());
+      await engine.ask({ ask: "pin" });
+      await engine.ask({ ask: "hold", name: "tension.csv" }, new TextEncoder().encode("other"));
+      engine.stop();
+      answers.push(await needs());
+      return answers;
     });
-    assert.deepEqual(answers, ["there is no tension.csv", "0 pinned", "stopped", "1 pinned"]);
+    assert.deepEqual(answers, ["there is no tension.csv", "stopped", "fitted", "other, fitted"]);
   });
 });
 
@@ -84,14 +88,15 @@ test("an engine that panics becomes a message, what waited is asked again, and t
   await withParts(async (page) => {
     const answers = await page.evaluate(async () => {
       const { engine, run, said } = /** @type {any} */ (globalThis);
-      await engine.ask({ ask: "hold", name: "cell.png" }, new Uint8Array());
+      const bytes = new TextEncoder().encode("held");
+      await engine.ask({ ask: "hold", name: "cell.png" }, bytes);
       const asked = [run("panic"), { ask: "hold", name: "other.csv" }, run("next", { "cell.tension": "other.csv" }), { ask: "pin" }];
-      const all = await Promise.all(asked.map((/** @type {any} */ request) => said(engine.ask(request))));
+      const all = await Promise.all(asked.map((/** @type {any} */ request) => said(engine.ask(request, bytes))));
       const later = await said(engine.ask(run("later", { "cell.tension": "cell.png" })));
       return [...all, later, await said(engine.ask(run("memory"))), await said(engine.ask(run("last", { "cell.tension": "other.csv" })))];
     });
     const message = "panicked at a test";
-    assert.deepEqual(answers, [message, "0 pinned", "0 pinned", message, "0 pinned", "The engine has ended: unreachable", "0 pinned"]);
+    assert.deepEqual(answers, [message, "done", "held", message, "held", "The engine has ended: unreachable", "held"]);
   });
 });
 
