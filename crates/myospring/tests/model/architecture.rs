@@ -9,9 +9,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The crates of the library and, where a whole crate is one room, that room.
-const CRATES: [(&str, Option<&str>); 4] = [
+const CRATES: [(&str, Option<&str>); 5] = [
     ("myospring", None),
     ("myospring-core", None),
+    ("myospring-cell-files", Some("cell_files")),
     ("myospring-microscopy", Some("microscopy")),
     ("myospring-output", Some("output")),
 ];
