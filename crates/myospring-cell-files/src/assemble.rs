@@ -2,9 +2,10 @@
 
 use crate::draft::{Draft, DraftVariable, Kind, Problem, Term};
 use crate::emit::{Emission, Item, StimulusAt};
+use crate::reading::Choices;
 use crate::roles::{self, Chosen};
 use crate::unit::Unit;
-use crate::{Choices, removable, stimulus};
+use crate::{removable, stimulus};
 use myospring_core::cell::equations::{
     CalciumRole, Constant, Equations, Intermediate, PotentialRole, Roles, Source, State,
     StimulusRole, TensionRole, Variable,

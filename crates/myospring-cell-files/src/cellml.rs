@@ -4,6 +4,7 @@
 //! reason: reactions, resets, delays, equations that would need a solver.
 
 mod connections;
+mod element;
 mod finish;
 mod import;
 mod math;
@@ -11,12 +12,6 @@ mod tree;
 mod units;
 
 use crate::draft::{Draft, Problem};
-
-/// ms per unit of time, of a unit of so many seconds.
-pub(crate) fn milliseconds(seconds: f64) -> f64 {
-    let exact = seconds * 1000.0;
-    if (exact - exact.round()).abs() < 1e-9 * exact { exact.round() } else { exact }
-}
 
 /// Reads the text of a file, and of the files that it imports, to a draft.
 pub(crate) fn parse(

@@ -1,6 +1,6 @@
 //! A model as a file states it, before sorting: variables that refer to each other by index.
 
-use crate::ReadError;
+use crate::reading::ReadError;
 use crate::unit::Unit;
 use myospring_core::cell::equations::{BinaryOperation, Place, UnaryOperation};
 

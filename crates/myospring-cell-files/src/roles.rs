@@ -1,7 +1,7 @@
 //! Which variable is potential, calcium, tension: by choice, annotation, then usual name and unit.
 
-use crate::Choices;
 use crate::draft::{Draft, Kind, Problem, Term};
+use crate::reading::Choices;
 use crate::unit::Unit;
 use myospring_core::cell::equations::Found;
 

@@ -275,6 +275,12 @@ fn parse_usual(text: &str) -> Option<Unit> {
     Some(unit)
 }
 
+/// ms per unit of time, of a unit of so many seconds.
+pub(crate) fn milliseconds(seconds: f64) -> f64 {
+    let exact = seconds * 1000.0;
+    if (exact - exact.round()).abs() < 1e-9 * exact { exact.round() } else { exact }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

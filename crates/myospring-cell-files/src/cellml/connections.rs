@@ -1,6 +1,6 @@
 //! Connections between components, and which component holds which.
 
-use super::import::{attribute, line, named};
+use super::element::{attribute, line, named};
 use super::tree::{Connection, Model};
 use crate::draft::Problem;
 use roxmltree::Node;

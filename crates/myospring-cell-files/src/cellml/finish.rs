@@ -1,9 +1,8 @@
 //! A model to a draft: connected variables become one, with conversion of units between them.
 
-use super::math::{Formula, Step};
-use super::tree::{Component, Equation, Model, ModelVariable};
+use super::tree::{Component, Equation, Formula, Model, ModelVariable, Step};
 use crate::draft::{Draft, DraftVariable, Id, Kind, Problem, Term};
-use crate::unit::Unit;
+use crate::unit::{Unit, milliseconds};
 use myospring_core::cell::equations::{BinaryOperation as B, Place};
 use std::collections::HashMap;
 
@@ -227,7 +226,7 @@ impl<'a> Finish<'a> {
         }
         let unit = self.variable(source).1.unit;
         match unit.in_units_of(Unit::SECOND) {
-            Some(seconds) => self.draft.milliseconds = super::milliseconds(seconds),
+            Some(seconds) => self.draft.milliseconds = milliseconds(seconds),
             None if unit.same_dimension(Unit::ONE) => {
                 self.draft.notes.push("Time has no unit in the file; ms is assumed.".to_owned());
             }

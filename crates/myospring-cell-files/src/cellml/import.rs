@@ -1,5 +1,6 @@
 //! XML to a model, with the files that it imports.
 
+use super::element::{VERSIONS, attribute, line, named};
 use super::math;
 use super::tree::{Component, Connection, Model, ModelVariable};
 use super::units;
@@ -7,12 +8,6 @@ use crate::draft::Problem;
 use crate::unit::Unit;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::HashMap;
-
-const VERSIONS: [(&str, &str); 3] = [
-    ("http://www.cellml.org/cellml/1.0#", "CellML 1.0"),
-    ("http://www.cellml.org/cellml/1.1#", "CellML 1.1"),
-    ("http://www.cellml.org/cellml/2.0#", "CellML 2.0"),
-];
 
 /// How deep imports may import.
 const DEEPEST_IMPORT: usize = 8;
@@ -22,22 +17,6 @@ const MOST_IMPORTS: usize = 200;
 
 /// The most elements of a file.
 const MOST_ELEMENTS: u32 = 500_000;
-
-pub(super) fn line(node: Node<'_, '_>) -> usize {
-    node.document().text_pos_at(node.range().start).row as usize
-}
-
-pub(super) fn named(node: Node<'_, '_>, name: &str) -> bool {
-    node.is_element()
-        && node.tag_name().name() == name
-        && VERSIONS.iter().any(|(own, _)| node.tag_name().namespace() == Some(own))
-}
-
-pub(super) fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, Problem> {
-    node.attribute(name).map(str::trim).ok_or_else(|| {
-        Problem::at(line(node), format!("<{}> has no {name}", node.tag_name().name()))
-    })
-}
 
 /// The files that imports are read from.
 pub(super) struct Sources<'a> {
@@ -116,7 +95,7 @@ impl<'a> Sources<'a> {
                     format!("the imported file \"{path}\" cannot be read; put it beside the model");
                 return Err(Problem::at(at, reason));
             };
-            if text.len() > crate::LONGEST_FILE {
+            if text.len() > crate::reading::LONGEST_FILE {
                 return Err(Problem::at(at, format!("the imported file \"{path}\" is too long")));
             }
             let inner = path.rsplit_once('/').map_or("", |(folder, _)| folder);

@@ -1,33 +1,13 @@
 //! MathML of CellML: content markup to formulas.
 
-use super::import::line;
-use super::tree::Equation;
+use super::element::line;
+use super::tree::{Equation, Formula, Step};
 use super::units;
 use crate::draft::{DEEPEST, Problem};
 use crate::unit::Unit;
 use myospring_core::cell::equations::{BinaryOperation as B, UnaryOperation as U};
 use roxmltree::Node;
 use std::collections::HashMap;
-
-/// One operation of a formula; operands are earlier places of its list.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Step {
-    Number(f64),
-    /// A variable of the component, by place in the formula's names.
-    Variable(usize),
-    /// Its derivative by time.
-    Rate(usize),
-    Unary(U, usize),
-    Binary(B, usize, usize),
-    Select(usize, usize, usize),
-}
-
-/// An expression of one component: the last step is its value.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Formula {
-    pub(super) steps: Vec<Step>,
-    pub(super) names: Vec<String>,
-}
 
 const MATHML: &str = "http://www.w3.org/1998/Math/MathML";
 

@@ -1,7 +1,7 @@
 //! Components and variables of a CellML model, before connections are followed.
 
-use super::math::Formula;
 use crate::unit::Unit;
+use myospring_core::cell::equations::{BinaryOperation, UnaryOperation};
 use std::collections::HashMap;
 
 /// A model with everything that it imports.
@@ -53,4 +53,24 @@ pub(super) struct Equation {
     pub(super) by: Option<String>,
     pub(super) right: Formula,
     pub(super) line: usize,
+}
+
+/// One operation of a formula; operands are earlier places of its list.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Step {
+    Number(f64),
+    /// A variable of the component, by place in the formula's names.
+    Variable(usize),
+    /// Its derivative by time.
+    Rate(usize),
+    Unary(UnaryOperation, usize),
+    Binary(BinaryOperation, usize, usize),
+    Select(usize, usize, usize),
+}
+
+/// An expression of one component: the last step is its value.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Formula {
+    pub(super) steps: Vec<Step>,
+    pub(super) names: Vec<String>,
 }

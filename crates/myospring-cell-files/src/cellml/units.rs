@@ -1,6 +1,6 @@
 //! Units of a model: each from others, base units of its own, with prefix, exponent and multiplier.
 
-use super::import::{line, named};
+use super::element::{attribute, line, named};
 use crate::draft::Problem;
 use crate::unit::Unit;
 use roxmltree::Node;
@@ -16,7 +16,7 @@ pub(super) fn read(
 ) -> Result<HashMap<String, Unit>, Problem> {
     let mut elements = HashMap::new();
     for element in parent.children().filter(|child| named(*child, "units")) {
-        let name = super::import::attribute(element, "name")?;
+        let name = attribute(element, "name")?;
         if elements.insert(name, element).is_some() {
             return Err(Problem::at(line(element), format!("two units are named `{name}`")));
         }
@@ -56,7 +56,7 @@ fn resolve(
     let parts: Vec<Node<'_, '_>> =
         element.children().filter(|child| named(*child, "unit")).collect();
     for &part in &parts {
-        let base = super::import::attribute(part, "units")?;
+        let base = attribute(part, "units")?;
         let own = resolve(base, elements, units, depth + 1)
             .map_err(|problem| Problem { line: problem.line.or(Some(line(part))), ..problem })?;
         unit = combined(unit, own, part, parts.len())?;

@@ -3,7 +3,7 @@
 use super::expression::{Expressions, Scope};
 use super::lexer::{Placed, Token};
 use crate::draft::{Draft, DraftVariable, Id, Kind, Problem};
-use crate::unit::Unit;
+use crate::unit::{Unit, milliseconds};
 use myospring_core::cell::equations::Place;
 use std::collections::HashMap;
 
@@ -253,7 +253,7 @@ impl Parser {
                 variable.kind = Kind::Time;
                 match variable.unit.map(|unit| unit.in_units_of(Unit::SECOND)) {
                     Some(Some(seconds)) => {
-                        self.draft.milliseconds = crate::cellml::milliseconds(seconds);
+                        self.draft.milliseconds = milliseconds(seconds);
                     }
                     None => self
                         .draft

@@ -19,6 +19,7 @@
 mod build;
 mod describe;
 pub mod example;
+mod graphs;
 mod jumps;
 
 use super::cell_model::{

@@ -19,11 +19,13 @@ mod derivative;
 mod elimination;
 mod evaluate;
 pub(super) mod graph;
+mod member;
 mod program;
 mod step;
 mod traced;
 mod values;
 
+pub(super) use member::Compiled;
 pub(super) use program::{Outside, Program};
 pub(super) use traced::Traced;
 
@@ -32,6 +34,7 @@ use super::cell_model::{BatchSettings, CellModel, CellOutcome, Paced};
 use super::pacer::Pacer;
 use super::settings::SolveError;
 use course::{Course, Moved};
+use member::Member;
 use std::sync::Arc;
 use step::{LANES, Lanes, TryStep};
 
@@ -39,23 +42,6 @@ use step::{LANES, Lanes, TryStep};
 const ASKED_EVERY: u32 = 256;
 /// Sample interval from which beats are read if none was requested, ms.
 const SAMPLED_MS: f64 = 0.1;
-
-/// The compiled equations of one cell, with its numbers.
-#[derive(Debug, Clone)]
-pub(super) struct Compiled {
-    pub(super) program: Arc<Program>,
-    /// The rows of its numbers.
-    pub(super) fixed: Vec<f64>,
-    /// The states from which samples are computed: potential, calcium, tension.
-    pub(super) seen: Arc<[usize]>,
-}
-
-/// A cell with its compiled equations.
-struct Member<'a> {
-    cell: &'a Paced,
-    compiled: &'a Compiled,
-    pacer: Pacer,
-}
 
 /// Integrates cells to their end; outcomes in order, or `None` once `goes_on` returns false.
 /// `compiled` has the equations of a model of this kind.

@@ -1,6 +1,6 @@
 //! Names, units and words of a model from equations.
 
-use super::build::Graphs;
+use super::graphs::Graphs;
 use crate::cell::description::{Output, StateVariable};
 use crate::cell::equations::{Equations, Variable};
 use crate::cell::land_2017;

@@ -1,6 +1,6 @@
 //! The integration of one lane: events, acceptance of steps, samples, end.
 
-use super::Member;
+use super::member::Member;
 use super::step::Lanes;
 use crate::cell::cell_model::{CellModel, CellOutcome, CellSample};
 use crate::cell::description::Input;

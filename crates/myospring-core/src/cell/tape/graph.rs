@@ -3,6 +3,8 @@
 use super::values;
 use std::collections::HashMap;
 
+pub(in crate::cell) use super::values::{One, Two};
+
 /// A place in a [`Graph`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(in crate::cell) struct Id(u32);
@@ -29,50 +31,6 @@ pub(in crate::cell) enum Outer {
 impl Outer {
     pub(super) const ALL: [Self; 4] =
         [Self::Stimulus, Self::Time, Self::Stretch, Self::StretchRate];
-}
-
-/// An operation on one number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(in crate::cell) enum One {
-    Negative,
-    Absolute,
-    Exponential,
-    Logarithm,
-    SquareRoot,
-    Inverse,
-    Not,
-    Floor,
-    Ceiling,
-    Sine,
-    Cosine,
-    Tangent,
-    ArcSine,
-    ArcCosine,
-    ArcTangent,
-    HyperbolicSine,
-    HyperbolicCosine,
-    HyperbolicTangent,
-    AreaSine,
-    AreaCosine,
-    AreaTangent,
-}
-
-/// An operation on two numbers. Conditions are 1 or 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(in crate::cell) enum Two {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Power,
-    Minimum,
-    Maximum,
-    Less,
-    LessOrEqual,
-    Equal,
-    NotEqual,
-    And,
-    Or,
 }
 
 /// One operation or value.

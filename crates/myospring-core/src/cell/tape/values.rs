@@ -1,11 +1,54 @@
 //! The value of each operation: one function for a single number and for every lane.
 #![allow(clippy::inline_always, reason = "what the vectorised loops call is inlined into them")]
 
-use super::graph::{One, Two};
 use crate::cell::exponential;
 
 /// Added to a number below 2^51, leaves the nearest whole number.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
+
+/// An operation on one number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(in crate::cell) enum One {
+    Negative,
+    Absolute,
+    Exponential,
+    Logarithm,
+    SquareRoot,
+    Inverse,
+    Not,
+    Floor,
+    Ceiling,
+    Sine,
+    Cosine,
+    Tangent,
+    ArcSine,
+    ArcCosine,
+    ArcTangent,
+    HyperbolicSine,
+    HyperbolicCosine,
+    HyperbolicTangent,
+    AreaSine,
+    AreaCosine,
+    AreaTangent,
+}
+
+/// An operation on two numbers. Conditions are 1 or 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(in crate::cell) enum Two {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Power,
+    Minimum,
+    Maximum,
+    Less,
+    LessOrEqual,
+    Equal,
+    NotEqual,
+    And,
+    Or,
+}
 
 #[inline(always)]
 pub(super) fn truth(condition: bool) -> f64 {
