@@ -26,7 +26,6 @@
 pub mod adaptive;
 pub mod batch;
 mod beat;
-mod beside;
 pub mod bueno_orovio_2008;
 pub mod calcium;
 mod cell_model;

@@ -182,7 +182,7 @@ fn with_own_upstroke(
 }
 
 /// The potential and its unit, if all samples have one.
-fn potential(samples: &[Sample]) -> Option<(Vec<f64>, &'static str)> {
+pub(super) fn potential(samples: &[Sample]) -> Option<(Vec<f64>, &'static str)> {
     let everywhere =
         |read: fn(&Sample) -> Option<f64>| samples.iter().map(read).collect::<Option<Vec<f64>>>();
     let in_mv = everywhere(|s| s.vm_mv).map(|potential| (potential, "mV"));

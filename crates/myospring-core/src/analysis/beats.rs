@@ -1,14 +1,16 @@
 //! The beats of a run: means, spreads, energy balance.
 
 use super::bands::{BANDS, Band};
-use super::beat::{Beat, beats, s2_beat};
+use super::beat::{Beat, beats, potential, s2_beat};
 use super::rhythm::Rhythm;
 use super::rows::{recorded, row};
-use super::{Metric, Spread, beat_to_beat, s2};
+use super::spontaneous::{self, Upstrokes};
+use super::{Metric, Missing, Spread, beat_to_beat, s2};
 use crate::recording::{END_FORCE, Recording, Sample, Signal};
 use std::ops::Deref;
 
-/// Metrics of the beats of a run: a list of [`Beat`]s, one for each stimulus within the run.
+/// Metrics of the beats of a run: a list of [`Beat`]s, one for each stimulus within the run; for a
+/// cell that beats by itself, one for each action potential, from its stimulus or its take-off.
 ///
 /// # Example
 /// ```
@@ -48,7 +50,14 @@ impl Beats {
     /// extra stimulus S2, if the last one is such.
     pub fn of(recording: &Recording, stimulus_times_ms: &[f64], s2_ms: Option<f64>) -> Self {
         let energy = energy(&recording.samples);
-        let mut list = beats(recording, stimulus_times_ms);
+        let own = by_itself(recording, stimulus_times_ms).filter(|_| s2_ms.is_none());
+        let starts = own.as_ref().map(|(upstrokes, _)| upstrokes.starts(stimulus_times_ms));
+        let mut list = beats(recording, starts.as_deref().unwrap_or(stimulus_times_ms));
+        if let Some((upstrokes, unit)) = &own {
+            for (at, beat) in list.iter_mut().enumerate() {
+                beat.action_potential.extend(upstrokes.metrics(at, unit));
+            }
+        }
         let cut_short = is_cut_short(&list, &recording.samples);
         if let Some(s2_ms) = s2_ms {
             list.retain(|beat| beat.stimulus_ms != s2_ms);
@@ -58,12 +67,19 @@ impl Beats {
         }
         let mut all = Self { list, energy, bands: BANDS, cut_short, rhythm: Rhythm::default() };
         let train = || all.list.iter().filter(|beat| !beat.is_s2());
-        let stimuli: Vec<f64> = train().map(|beat| beat.stimulus_ms).collect();
-        let captured: Vec<Option<bool>> = train().map(|beat| beat.captured).collect();
+        let mut stimuli: Vec<f64> = train().map(|beat| beat.stimulus_ms).collect();
+        let mut captured: Vec<Option<bool>> = train().map(|beat| beat.captured).collect();
+        if let Some((Upstrokes(upstrokes), _)) = &own {
+            stimuli = stimulus_times_ms.to_vec();
+            let raised = |at: usize| upstrokes.iter().any(|own| own.stimulus == Some(at));
+            captured = (0..stimuli.len()).map(|at| Some(raised(at))).collect();
+        }
         let heights = HEIGHTS.map(|(name, words)| {
             (words, all.counted().map(|beat| beat.value(name)).collect::<Vec<_>>())
         });
         all.rhythm = Rhythm::of(&stimuli, &captured, &heights);
+        all.rhythm.spontaneous =
+            own.map(|(upstrokes, unit)| upstrokes.rhythm(unit, stimulus_times_ms.len()));
         all
     }
 
@@ -110,6 +126,13 @@ impl Beats {
     }
 }
 
+/// The upstrokes of a cell that beats by itself, and the unit of its potential.
+fn by_itself(recording: &Recording, stimuli_ms: &[f64]) -> Option<(Upstrokes, &'static str)> {
+    let (values, unit) = potential(&recording.samples)?;
+    let times: Vec<f64> = recording.samples.iter().map(|sample| sample.t_ms).collect();
+    Some((Upstrokes::of(&times, &values, unit, stimuli_ms)?, unit))
+}
+
 /// Whether the last of several beats is cut short: it was recorded for less time than the beat
 /// before needed from its stimulus to 90 % relaxation (or 50 %, if it is paced too fast for that).
 fn is_cut_short(list: &[Beat], samples: &[Sample]) -> bool {
@@ -139,6 +162,7 @@ pub fn known(in_mv: bool) -> Vec<Metric> {
     let Beats { list, energy, .. } = Beats::of(&recording, &[0.0], None);
     let of_beat = list.iter().flat_map(Beat::metrics).cloned();
     of_beat
+        .chain(spontaneous::rows([Err(Missing::First); 3], if in_mv { "mV" } else { "" }))
         .chain(s2::rows(None, None, &[], &[]))
         .chain(energy)
         .map(|metric| Metric { value: None, missing: None, ..metric })

@@ -13,7 +13,7 @@ const RESPONSE: f64 = 0.8;
 /// below [`RESPONSE`].
 const REPOLARISED: f64 = 0.2;
 /// An action potential has its peak within this time, ms.
-const LATEST_PEAK_MS: f64 = 50.0;
+pub(super) const LATEST_PEAK_MS: f64 = 50.0;
 
 /// Rise of the potential, in its unit, that only an action potential reaches: half of its height. A
 /// stimulus alone, which stays below the threshold, raises the potential by less.

@@ -1,6 +1,7 @@
 //! How beats follow their stimuli: capture, capture ratio, alternans.
 
 use super::alternans::{Alternans, alternans};
+use super::spontaneous::SpontaneousRhythm;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -32,6 +33,9 @@ pub struct Rhythm {
     pub capture_ratio: Option<String>,
     /// Metrics that are lower in every other beat, in words; `None` without alternans.
     pub alternans: Option<String>,
+    /// The rhythm of a cell that beats by itself; `None` if stimuli raised all its beats.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spontaneous: Option<SpontaneousRhythm>,
 }
 
 /// Name of a metric in words, and its value in each beat that counts.
@@ -50,6 +54,7 @@ impl Rhythm {
             not_captured_ms: missed.iter().map(|&at| stimuli_ms[at]).collect(),
             capture_ratio: ratio(&flags),
             alternans: alternating(heights),
+            spontaneous: None,
         }
     }
 

@@ -21,6 +21,8 @@ mod describe;
 pub mod example;
 mod graphs;
 mod jumps;
+#[cfg(test)]
+mod tests;
 
 use super::cell_model::{
     BatchSettings, CellModel, CellOutcome, Filaments, InFits, Paced, SideBySide,
@@ -90,6 +92,12 @@ impl EquationModel {
     /// Whether it has the myofilaments of `land_2017`.
     pub fn has_myofilaments(&self) -> bool {
         self.myofilaments.is_some()
+    }
+
+    /// Its compiled equations.
+    #[cfg(test)]
+    pub(super) fn compiled(&self) -> &Compiled {
+        &self.compiled
     }
 
     fn observe(&self, state: &[f64], input: &Input) -> Vec<f64> {
@@ -255,7 +263,7 @@ impl SideBySide for EquationModel {
     ) -> Option<Vec<Result<CellOutcome, SolveError>>> {
         tape::move_all(cells, settings, goes_on, |model| {
             let model: &dyn Any = model;
-            Some(&model.downcast_ref::<Self>()?.compiled)
+            Some(model.downcast_ref::<Self>()?.compiled.clone())
         })
     }
 }

@@ -213,7 +213,7 @@ pub enum SolveError {
     Stalled {
         /// The model.
         model: String,
-        /// The state variable that is not finite, or else the first.
+        /// The state variable that is not finite, or else the one with the largest error.
         variable: String,
         /// What it became.
         value: f64,

@@ -5,7 +5,7 @@
 //! stiff variables do not require small steps. It uses the model's Jacobian, or finite differences
 //! of its rates. Each step is as long as its error estimate stays below `tolerance (floor +
 //! |value|)` for every variable; the floor is 0.01 for a pure number, and a tenth of its start for
-//! a variable with a unit (0.01 if that is 0). Between the ends of a step the state is the method's
+//! a variable with a unit (1e-4 if that start is below 1e-12). Between the ends of a step the state is the method's
 //! own cubic.
 //!
 //! - A step ends exactly at each event of the protocol, and the step size begins anew from the rates.
@@ -29,8 +29,12 @@ use super::settings::SolveError;
 use super::upstroke::Upstroke;
 use rosenbrock::{Curve, Rosenbrock};
 
-/// Floor of a dimensionless variable, and of a variable that starts at 0.
+/// Floor of a dimensionless variable.
 const FLOOR: f64 = 0.01;
+/// Floor of a variable with a unit that starts at 0, or at less than [`NOTHING`].
+const FLOOR_FROM_NOTHING: f64 = 1e-4;
+/// Values below this say nothing of the size of a variable, in any usual unit.
+const NOTHING: f64 = 1e-12;
 /// Floor of a variable with a unit, as a part of its initial value.
 const OF_START: f64 = 0.1;
 /// Smallest and largest change of the step from one to the next.
@@ -48,8 +52,14 @@ pub(super) const SHORTEST_MS: f64 = 1e-11;
 
 /// Floor in the scale of a variable's error.
 pub(super) fn floor(variable: &StateVariable) -> f64 {
-    let own = OF_START * variable.start.abs();
-    if variable.unit.is_empty() || own == 0.0 { FLOOR } else { own }
+    let start = variable.start.abs();
+    if variable.unit.is_empty() {
+        FLOOR
+    } else if start < NOTHING {
+        FLOOR_FROM_NOTHING
+    } else {
+        OF_START * start
+    }
 }
 
 /// The first step after an event, times the largest relative rate.
@@ -210,12 +220,17 @@ impl StiffSteps {
 
     /// Error of the step that was tried relative to the tolerance; NaN if anything is NaN.
     fn error(&self) -> f64 {
-        let (end, errors) = (self.rosenbrock.end(), self.rosenbrock.errors());
-        (0..end.len()).fold(0.0, |largest: f64, i| {
-            let size = self.floors[i] + self.end[i].abs().max(end[i].abs());
-            let part = errors[i].abs() / (self.tolerance * size);
+        (0..self.end.len()).fold(0.0, |largest: f64, place| {
+            let part = self.error_of(place);
             if part > largest || part.is_nan() { part } else { largest }
         })
+    }
+
+    /// The error of one variable.
+    fn error_of(&self, place: usize) -> f64 {
+        let (end, errors) = (self.rosenbrock.end(), self.rosenbrock.errors());
+        let size = self.floors[place] + self.end[place].abs().max(end[place].abs());
+        errors[place].abs() / (self.tolerance * size)
     }
 
     fn take(&mut self, step_ms: f64, end_ms: f64) {
@@ -227,7 +242,10 @@ impl StiffSteps {
 
     fn stalled(&self, model: &dyn CellModel, step_ms: f64) -> SolveError {
         let end = self.rosenbrock.end();
-        let worst = end.iter().position(|value| !value.is_finite()).unwrap_or(0);
+        let largest =
+            || (0..end.len()).max_by(|a, b| self.error_of(*a).total_cmp(&self.error_of(*b)));
+        let worst = end.iter().position(|value| !value.is_finite());
+        let worst = worst.or_else(largest).unwrap_or(0);
         SolveError::Stalled {
             model: model.name().to_owned(),
             variable: model.states()[worst].name.to_string(),

@@ -22,6 +22,8 @@ pub(super) mod graph;
 mod member;
 mod program;
 mod step;
+#[cfg(test)]
+mod tests;
 mod traced;
 mod values;
 
@@ -44,12 +46,12 @@ const ASKED_EVERY: u32 = 256;
 const SAMPLED_MS: f64 = 0.1;
 
 /// Integrates cells to their end; outcomes in order, or `None` once `goes_on` returns false.
-/// `compiled` has the equations of a model of this kind.
+/// `compiled` gives the equations of a model of this kind.
 pub(super) fn move_all(
     cells: &[&Paced],
     settings: &BatchSettings,
     goes_on: &dyn Fn() -> bool,
-    compiled: impl Fn(&dyn CellModel) -> Option<&Compiled>,
+    compiled: impl Fn(&dyn CellModel) -> Option<Compiled>,
 ) -> Option<Vec<Result<CellOutcome, SolveError>>> {
     let arch = pulp::Arch::new();
     moved(&members(cells, compiled), settings, goes_on, |lanes: &mut Lanes<LANES>| {
@@ -60,7 +62,7 @@ pub(super) fn move_all(
 /// The cells with their equations; protocols were checked when the cells were made.
 fn members<'a>(
     cells: &[&'a Paced],
-    compiled: impl Fn(&dyn CellModel) -> Option<&Compiled>,
+    compiled: impl Fn(&dyn CellModel) -> Option<Compiled>,
 ) -> Vec<Member<'a>> {
     let member = |cell: &&'a Paced| {
         let pacer = Pacer::new(&cell.model.stimulation(), cell.protocol).ok()?;

@@ -4,15 +4,16 @@
 //! and the code that its authors publish (<https://github.com/jtmff/torord>), which later moved chloride, too.
 //!
 //! The equations are generic over the type of number, with one file per group of currents; the
-//! Jacobian comes from them by forward differentiation.
+//! Jacobian comes from them by forward differentiation, and the tape with which many cells are
+//! integrated side by side by recording them.
 #![allow(clippy::doc_markdown, reason = "currents and gates have the names of the paper")]
 
 mod calcium;
 mod calcium_channel;
+mod compiled;
 mod equations;
 mod exchange;
 mod gate;
-pub(super) mod lanes;
 mod membrane;
 mod parameters;
 mod potassium;
@@ -22,17 +23,21 @@ mod start;
 mod state;
 mod table;
 
-use super::cell_model::{CellModel, Filaments, InFits, SideBySide};
+use super::cell_model::{
+    BatchSettings, CellModel, CellOutcome, Filaments, InFits, Paced, SideBySide,
+};
 use super::description::{
     Gate, Input, ModelError, Moved, Output, StateVariable, Stimulation, TensionKind,
 };
 use super::land_2017::{self, Myofilaments};
 use super::pacing::Stimulus;
-use super::settings::{CellMethod, SolverSettings};
+use super::settings::{CellMethod, SolveError, SolverSettings};
+use super::tape;
 use crate::parameter::ParameterSet;
 use equations::{BEHIND, Constants, Form, GATES, Outside, Parts, derivatives};
 use gate::Moving;
 use membrane::PER_CURRENT_I;
+use std::any::Any;
 use std::sync::{Arc, LazyLock};
 
 /// Layer of the ventricular wall.
@@ -159,6 +164,11 @@ impl TomekModel {
     /// Which form of the model it is.
     pub fn variant(&self) -> Variant {
         self.variant
+    }
+
+    /// Its equations as a tape.
+    pub(super) fn compiled(&self) -> tape::Compiled {
+        compiled::compiled(&self.constants)
     }
 
     fn all_states(layer: Layer, variant: Variant) -> Vec<StateVariable> {
@@ -372,5 +382,27 @@ impl CellModel for TomekModel {
 
     fn feels_stretch(&self) -> bool {
         self.variant == Variant::Land
+    }
+}
+
+impl SideBySide for TomekModel {
+    fn method(&self) -> CellMethod {
+        CellMethod::Stiff
+    }
+
+    fn tells_beats(&self) -> bool {
+        false
+    }
+
+    fn move_all(
+        &self,
+        cells: &[&Paced],
+        settings: &BatchSettings,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Option<Vec<Result<CellOutcome, SolveError>>> {
+        tape::move_all(cells, settings, goes_on, |model| {
+            let model: &dyn Any = model;
+            model.downcast_ref().map(Self::compiled)
+        })
     }
 }

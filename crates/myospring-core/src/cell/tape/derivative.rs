@@ -10,6 +10,9 @@ pub(in crate::cell) enum By {
     Time,
 }
 
+/// Bound of exponentials and powers in derivatives.
+const LARGEST_FACTOR: f64 = 1e150;
+
 /// The derivatives of one value that are not 0 everywhere, in order.
 pub(in crate::cell) type Slopes = Vec<(By, Id)>;
 
@@ -66,6 +69,16 @@ fn times(graph: &mut Graph, a: Id, b: Id) -> Id {
     graph.two(Two::Multiply, a, b)
 }
 
+/// A growing factor, bounded so that its product with a vanishing one is 0 and not 0 times infinity:
+/// `1 / (1 + e^x)` has the derivative `-e^x / (1 + e^x)^2`, which is 0 for large `x`.
+fn bounded(graph: &mut Graph, factor: Id) -> Id {
+    if graph.number(factor).is_some() || !graph.moves(factor) {
+        return factor;
+    }
+    let most = graph.literal(LARGEST_FACTOR);
+    graph.two(Two::Minimum, factor, most)
+}
+
 /// The derivative of an operation on one number with respect to it; `None` if 0 everywhere.
 fn through(graph: &mut Graph, one: One, a: Id, value: Id) -> Option<Id> {
     let one_literal = graph.literal(1.0);
@@ -79,7 +92,7 @@ fn through(graph: &mut Graph, one: One, a: Id, value: Id) -> Option<Id> {
             let positive = graph.select(above, one_literal, zero);
             graph.select(below, minus, positive)
         }
-        One::Exponential => value,
+        One::Exponential => bounded(graph, value),
         One::Logarithm => graph.one(One::Inverse, a),
         One::SquareRoot => {
             let half = graph.literal(0.5);
@@ -174,6 +187,7 @@ fn power(graph: &mut Graph, [a, b]: [Id; 2], value: Id, constant: bool) -> [Id; 
     let one = graph.literal(1.0);
     let lower = graph.two(Two::Subtract, b, one);
     let lower = graph.two(Two::Power, a, lower);
+    let lower = bounded(graph, lower);
     let by_base = graph.two(Two::Multiply, b, lower);
     if constant {
         return [by_base, graph.literal(0.0)];

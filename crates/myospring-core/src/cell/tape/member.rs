@@ -18,6 +18,6 @@ pub(in crate::cell) struct Compiled {
 /// A cell with its compiled equations.
 pub(super) struct Member<'a> {
     pub(super) cell: &'a Paced,
-    pub(super) compiled: &'a Compiled,
+    pub(super) compiled: Compiled,
     pub(super) pacer: Pacer,
 }

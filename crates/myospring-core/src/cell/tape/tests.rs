@@ -1,11 +1,11 @@
 use super::*;
 use crate::cell::batch::{run, run_while};
 use crate::cell::description::Input;
+use crate::cell::equation_model::{EquationModel, example};
 use crate::cell::integrator::Steps;
 use crate::cell::pacing::{Protocol, Stimulus};
-use crate::cell::settings::SolverSettings;
-use crate::cell::tomek_2019::Layer;
-use std::sync::Arc;
+use crate::cell::settings::{CellMethod, SolverSettings};
+use crate::cell::tomek_2019::{Layer, TomekModel, Variant};
 
 const SETTINGS: BatchSettings = every(1e-3, 1.7);
 
@@ -58,14 +58,52 @@ fn a_cell_has_the_same_bits_in_any_company_order_and_vector_units() {
     }
 }
 
+/// Equations as data, each cell with another threshold of its oscillator.
+fn oscillators() -> Vec<Paced> {
+    let model = EquationModel::new(example::fitzhugh(0.0)).unwrap();
+    let cell = |k: i32| {
+        let mut parameters = model.parameters().clone();
+        parameters.set("membrane_z", 0.1 * f64::from(k)).unwrap();
+        let protocol = Protocol {
+            start_ms: 7.0 * f64::from(k),
+            beats: 2,
+            cycle_length_ms: 150.0,
+            ..Protocol::once(model.default_stimulus())
+        };
+        let model = model.with_parameters(parameters).unwrap();
+        Paced::new(model, protocol, 200.0 + 30.0 * f64::from(k)).unwrap()
+    };
+    (0..11).map(cell).collect()
+}
+
+#[test]
+fn cells_of_equations_have_the_same_bits_alone_among_others_and_with_other_lanes() {
+    let cells = oscillators();
+    let together = run(&cells, &SETTINGS).unwrap();
+    for (cell, expected) in cells.iter().zip(&together) {
+        assert!(expected.is_ok());
+        assert_eq!(&run(std::slice::from_ref(cell), &SETTINGS).unwrap()[0], expected);
+    }
+    let ours = |model: &dyn CellModel| {
+        let model: &dyn std::any::Any = model;
+        model.downcast_ref::<EquationModel>().map(|model| model.compiled().clone())
+    };
+    let all: Vec<&Paced> = cells.iter().collect();
+    let one = moved(&members(&all, ours), &SETTINGS, &|| true, Lanes::<1>::try_step).unwrap();
+    let five = moved(&members(&all, ours), &SETTINGS, &|| true, Lanes::<5>::try_step).unwrap();
+    assert_eq!((&one, &five), (&together, &together));
+}
+
 /// All cells to their end, with these vector units.
 fn by<S: pulp::Simd>(simd: S, cells: &[Paced]) -> Vec<Result<CellOutcome, SolveError>> {
-    let cells = members(&cells.iter().collect::<Vec<_>>());
-    let mut outcomes = vec![None; cells.len()];
-    let goes_on: &dyn Fn() -> bool = &|| true;
-    moved::<true>(&cells, &SETTINGS, goes_on, &mut outcomes, |it| S::vectorize(simd, TryStep(it)));
-    moved::<false>(&cells, &SETTINGS, goes_on, &mut outcomes, |it| S::vectorize(simd, TryStep(it)));
-    outcomes.into_iter().flatten().collect()
+    let tomek = |model: &dyn CellModel| {
+        let model: &dyn std::any::Any = model;
+        model.downcast_ref::<TomekModel>().map(TomekModel::compiled)
+    };
+    let cells: Vec<&Paced> = cells.iter().collect();
+    let members = members(&cells, tomek);
+    moved(&members, &SETTINGS, &|| true, |it: &mut Lanes<LANES>| S::vectorize(simd, TryStep(it)))
+        .unwrap()
 }
 
 #[test]
