@@ -175,7 +175,8 @@ fn upstroke(
         at -= 1;
     }
     let lowest = (from..=at).reduce(|a, b| if potential[b] < potential[a] { b } else { a });
-    let stimulus = stimuli_ms.iter().rposition(|stimulus| *stimulus <= crossing_ms);
+    // A stimulus that makes the potential jump lies at the sample after the jump.
+    let stimulus = stimuli_ms.iter().rposition(|stimulus| *stimulus <= times[after]);
     let stimulus = stimulus.filter(|at| crossing_ms - stimuli_ms[*at] <= LATEST_PEAK_MS);
     Upstroke {
         take_off_ms: times[at],
