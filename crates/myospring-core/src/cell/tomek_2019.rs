@@ -168,7 +168,7 @@ impl TomekModel {
 
     /// Its equations as a tape.
     pub(super) fn compiled(&self) -> tape::Compiled {
-        compiled::compiled(&self.constants)
+        compiled::compiled(&self.constants, CALCIUM)
     }
 
     fn all_states(layer: Layer, variant: Variant) -> Vec<StateVariable> {

@@ -1,6 +1,5 @@
 //! The equations as a tape, recorded from those of one cell.
 
-use super::CALCIUM;
 use super::equations::{BEHIND, Constants, Form, Outside, derivatives};
 use super::parameters::Parameters;
 use crate::cell::land_2017::{Myofilaments, NUMBERS, STATES as MYOFILAMENTS};
@@ -15,8 +14,8 @@ static PROGRAMS: [LazyLock<Arc<Program>>; 3] = [
     LazyLock::new(|| Arc::new(program(Form::Land))),
 ];
 
-/// The tape with the numbers of a cell.
-pub(super) fn compiled(constants: &Constants<f64>) -> Compiled {
+/// The tape with the numbers of a cell; `calcium` is the index of that state.
+pub(super) fn compiled(constants: &Constants<f64>, calcium: usize) -> Compiled {
     let program: &Arc<Program> = match constants.form {
         Form::Published => &PROGRAMS[0],
         Form::MovingChloride => &PROGRAMS[1],
@@ -25,7 +24,7 @@ pub(super) fn compiled(constants: &Constants<f64>) -> Compiled {
     let mut given = Vec::new();
     constants.parameters.give(&mut |value| given.push(value));
     given.extend(constants.myofilaments.numbers());
-    let mut seen = vec![0, CALCIUM];
+    let mut seen = vec![0, calcium];
     if constants.form == Form::Land {
         seen.extend(BEHIND..BEHIND + MYOFILAMENTS);
     }
