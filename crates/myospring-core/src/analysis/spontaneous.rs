@@ -1,8 +1,12 @@
 //! Action potentials of a cell that beats by itself, found by their upstrokes.
 //!
 //! An upstroke is a rise of the potential from its lower third to above three fifths of its range.
-//! One that comes at most 50 ms after a stimulus belongs to that stimulus; any other is spontaneous.
-//! Where there are spontaneous ones, every action potential is a beat, and begins at its take-off.
+//! One that comes at most 50 ms after a stimulus belongs to that stimulus.
+//!
+//! A cell beats by itself if an upstroke has no stimulus between it and the upstroke before, or if
+//! upstrokes come later than 50 ms after their stimuli at delays that differ by more than 50 ms: a
+//! weak stimulus may act late, but then always as late. Every action potential of such a cell is a
+//! beat, which begins at its stimulus, or else at its take-off.
 
 use super::capture::{LATEST_PEAK_MS, least_height};
 use super::rows::row;
@@ -43,6 +47,22 @@ pub struct SpontaneousRhythm {
     pub unit: &'static str,
 }
 
+/// Whether upstrokes do not follow the stimuli.
+fn beats_by_itself(upstrokes: &[Upstroke], stimuli_ms: &[f64]) -> bool {
+    let (mut shortest, mut longest) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut before_ms = f64::NEG_INFINITY;
+    for own in upstrokes {
+        if own.stimulus.is_none() {
+            let between = |time: &&f64| (before_ms..=own.crossing_ms).contains(*time);
+            let Some(stimulus_ms) = stimuli_ms.iter().rfind(between) else { return true };
+            let delay = own.crossing_ms - stimulus_ms;
+            (shortest, longest) = (shortest.min(delay), longest.max(delay));
+        }
+        before_ms = own.crossing_ms;
+    }
+    longest - shortest > LATEST_PEAK_MS
+}
+
 /// One upstroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Upstroke {
@@ -58,13 +78,13 @@ pub struct Upstroke {
     pub lowest: Option<[f64; 2]>,
 }
 
-/// The upstrokes of a potential of which at least one is spontaneous.
+/// The upstrokes of a cell that beats by itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Upstrokes(pub Vec<Upstroke>);
 
 impl Upstrokes {
-    /// Finds the upstrokes in samples at ascending times, ms; `None` if every one of them was raised
-    /// by a stimulus.
+    /// Finds the upstrokes in samples at ascending times, ms; `None` if nothing shows that the cell
+    /// beats by itself.
     pub fn of(times: &[f64], potential: &[f64], unit: &str, stimuli_ms: &[f64]) -> Option<Self> {
         let low = potential.iter().copied().fold(f64::INFINITY, f64::min);
         let range = potential.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low;
@@ -86,8 +106,7 @@ impl Upstrokes {
                 from = at;
             }
         }
-        let spontaneous = found.iter().any(|own| own.stimulus.is_none());
-        spontaneous.then_some(Self(found))
+        beats_by_itself(&found, stimuli_ms).then_some(Self(found))
     }
 
     /// When each beat begins, ms: at its stimulus, or at its take-off.
@@ -239,5 +258,21 @@ mod tests {
         // Small oscillations are no action potentials.
         let small: Vec<f64> = values.iter().map(|value| 0.3 * value).collect();
         assert_eq!(Upstrokes::of(&times, &small, "mV", &[]), None);
+    }
+
+    #[test]
+    fn an_upstroke_that_always_comes_as_late_after_its_stimulus_follows_it() {
+        let [times, values] = samples();
+        let each = |first: f64, cycle_ms: f64| -> Vec<f64> {
+            (0..5).map(|k| first + cycle_ms * f64::from(k)).collect()
+        };
+        // The upstrokes are at 700, 1500, 2300 ms and so on.
+        assert_eq!(Upstrokes::of(&times, &values, "mV", &each(580.0, 800.0)), None);
+        let rhythm = Upstrokes::of(&times, &values, "mV", &each(580.0, 700.0)).unwrap();
+        assert_eq!(rhythm.rhythm("mV", 5).raised_by_stimuli, 0);
+        // One alone shows nothing.
+        let until = times.iter().take_while(|time| **time < 900.0).count();
+        assert_eq!(Upstrokes::of(&times[..until], &values[..until], "mV", &[580.0]), None);
+        assert!(Upstrokes::of(&times[..until], &values[..until], "mV", &[800.0]).is_some());
     }
 }

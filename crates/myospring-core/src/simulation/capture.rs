@@ -31,7 +31,7 @@ fn by_itself(own: &SpontaneousRhythm) -> String {
     if let Some(lowest) = own.maximum_diastolic_potential {
         let _ = write!(text, ", with a maximum diastolic potential of {lowest:.1} {unit}");
     }
-    text.push_str("; a beat begins at its stimulus, or else at its upstroke");
+    text.push_str("; each beat counts from its stimulus, or from its upstroke if it has none");
     let alone = action_potentials - raised_by_stimuli;
     if stimuli > 0 && raised_by_stimuli == stimuli {
         let _ = write!(
@@ -42,7 +42,7 @@ fn by_itself(own: &SpontaneousRhythm) -> String {
         let _ = write!(
             text,
             ". The pacing does not capture: {raised_by_stimuli} of {stimuli} stimuli raised an action potential, and {alone} \
-             of {action_potentials} action potentials came without one; pace with a shorter cycle length than the cell's own, \
+             of {action_potentials} action potentials came without a stimulus; pace with a shorter cycle length than the cell's own, \
              or make the stimulus stronger"
         );
     }
