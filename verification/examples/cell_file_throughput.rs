@@ -4,8 +4,7 @@
 //! Reads the files named (the public ToR-ORd files with dynamic chloride first, which the built-in
 //! `tor_ord_dyn_cl_endo` is), or `ToRORd_dynCl_endo.cellml` of the shared data. Prints one JSON line
 //! per file and population: cells per second of processor time, and for ToR-ORd the ratio to the
-//! built-in model in the same run. `verification/peers/bench_cell_files.py` does the same with
-//! Myokit.
+//! built-in model in the same run.
 //!
 //! ```sh
 //! cargo run --release -p myospring-verification --example cell_file_throughput -- FILE.cellml

@@ -2,8 +2,8 @@
 //!
 //! Models that support it ([`SideBySide`]) integrate several cells
 //! at once in vector registers, for one method: `adaptive` for the minimal models, `stiff` for
-//! ToR-ORd and for models read from files. All others are integrated one after the other. **The result of a cell is bitwise the
-//! same** alone, in any batch and in any order. [`run`] uses only the calling thread; for several
+//! ToR-ORd and for models read from files. All others are integrated one after the other. **The
+//! result of a cell is bitwise the same** alone, in any batch and in any order. [`run`] uses only the calling thread; for several
 //! threads, call it on parts of the list.
 //!
 //! # Example

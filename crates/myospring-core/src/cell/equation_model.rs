@@ -24,19 +24,16 @@ mod jumps;
 #[cfg(test)]
 mod tests;
 
-use super::cell_model::{
-    BatchSettings, CellModel, CellOutcome, Filaments, InFits, Paced, SideBySide,
-};
+use super::cell_model::{CellModel, Filaments, InFits, SideBySide};
 use super::description::{
     Gate, Input, ModelError, Output, StateVariable, Stimulation, TensionKind,
 };
 use super::equations::Equations;
 use super::land_2017::{self, Myofilaments};
-use super::settings::{CellMethod, SolveError, SolverSettings};
-use super::tape::{self, Compiled, Outside};
+use super::settings::{CellMethod, SolverSettings};
+use super::tape::{Compiled, OnTape, Outside};
 use crate::parameter::ParameterSet;
 use describe::Names;
-use std::any::Any;
 use std::sync::Arc;
 
 /// A cell model from equations as data.
@@ -92,12 +89,6 @@ impl EquationModel {
     /// Whether it has the myofilaments of `land_2017`.
     pub fn has_myofilaments(&self) -> bool {
         self.myofilaments.is_some()
-    }
-
-    /// Its compiled equations.
-    #[cfg(test)]
-    pub(super) fn compiled(&self) -> &Compiled {
-        &self.compiled
     }
 
     fn observe(&self, state: &[f64], input: &Input) -> Vec<f64> {
@@ -246,24 +237,8 @@ impl CellModel for EquationModel {
     }
 }
 
-impl SideBySide for EquationModel {
-    fn method(&self) -> CellMethod {
-        CellMethod::Stiff
-    }
-
-    fn tells_beats(&self) -> bool {
-        false
-    }
-
-    fn move_all(
-        &self,
-        cells: &[&Paced],
-        settings: &BatchSettings,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Option<Vec<Result<CellOutcome, SolveError>>> {
-        tape::move_all(cells, settings, goes_on, |model| {
-            let model: &dyn Any = model;
-            Some(model.downcast_ref::<Self>()?.compiled.clone())
-        })
+impl OnTape for EquationModel {
+    fn compiled(&self) -> Compiled {
+        self.compiled.clone()
     }
 }

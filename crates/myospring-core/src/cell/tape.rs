@@ -5,7 +5,7 @@
 //! on rows of numbers, a number for each lane. What does not change while a cell is integrated is
 //! computed once per cell.
 //!
-//! [`move_all`] integrates many cells by the method of [`stiff`](super::settings::CellMethod::Stiff)
+//! [`OnTape`] integrates many cells by the method of [`stiff`](super::settings::CellMethod::Stiff)
 //! steps: eight together, each with its own parameters, pacing, time and step; a cell that has
 //! reached its end is replaced by the next one. Lanes are independent, and no operation is fused,
 //! so **the result of a cell is bitwise the same** alone, in any batch, in any order and with any
@@ -32,11 +32,12 @@ pub(super) use program::{Outside, Program};
 pub(super) use traced::Traced;
 
 use super::beat::CellBeat;
-use super::cell_model::{BatchSettings, CellModel, CellOutcome, Paced};
+use super::cell_model::{BatchSettings, CellModel, CellOutcome, Paced, SideBySide};
 use super::pacer::Pacer;
-use super::settings::SolveError;
+use super::settings::{CellMethod, SolveError};
 use course::{Course, Moved};
 use member::Member;
+use std::any::Any;
 use std::sync::Arc;
 use step::{LANES, Lanes, TryStep};
 
@@ -45,28 +46,41 @@ const ASKED_EVERY: u32 = 256;
 /// Sample interval from which beats are read if none was requested, ms.
 const SAMPLED_MS: f64 = 0.1;
 
-/// Integrates cells to their end; outcomes in order, or `None` once `goes_on` returns false.
-/// `compiled` gives the equations of a model of this kind.
-pub(super) fn move_all(
-    cells: &[&Paced],
-    settings: &BatchSettings,
-    goes_on: &dyn Fn() -> bool,
-    compiled: impl Fn(&dyn CellModel) -> Option<Compiled>,
-) -> Option<Vec<Result<CellOutcome, SolveError>>> {
-    let arch = pulp::Arch::new();
-    moved(&members(cells, compiled), settings, goes_on, |lanes: &mut Lanes<LANES>| {
-        arch.dispatch(TryStep(lanes));
-    })
+/// A model whose cells are integrated side by side on the tape of its equations.
+pub(super) trait OnTape: CellModel + Sized {
+    /// Its equations with its numbers.
+    fn compiled(&self) -> Compiled;
+}
+
+impl<M: OnTape> SideBySide for M {
+    fn method(&self) -> CellMethod {
+        CellMethod::Stiff
+    }
+
+    fn tells_beats(&self) -> bool {
+        false
+    }
+
+    fn move_all(
+        &self,
+        cells: &[&Paced],
+        settings: &BatchSettings,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Option<Vec<Result<CellOutcome, SolveError>>> {
+        let arch = pulp::Arch::new();
+        moved(&members::<M>(cells), settings, goes_on, |lanes: &mut Lanes<LANES>| {
+            arch.dispatch(TryStep(lanes));
+        })
+    }
 }
 
 /// The cells with their equations; protocols were checked when the cells were made.
-fn members<'a>(
-    cells: &[&'a Paced],
-    compiled: impl Fn(&dyn CellModel) -> Option<Compiled>,
-) -> Vec<Member<'a>> {
+fn members<'a, M: OnTape>(cells: &[&'a Paced]) -> Vec<Member<'a>> {
     let member = |cell: &&'a Paced| {
+        let model: &dyn Any = &*cell.model;
+        let compiled = model.downcast_ref::<M>()?.compiled();
         let pacer = Pacer::new(&cell.model.stimulation(), cell.protocol).ok()?;
-        Some(Member { cell, compiled: compiled(&*cell.model)?, pacer })
+        Some(Member { cell, compiled, pacer })
     };
     cells.iter().filter_map(member).collect()
 }

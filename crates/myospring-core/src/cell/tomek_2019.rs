@@ -23,21 +23,18 @@ mod start;
 mod state;
 mod table;
 
-use super::cell_model::{
-    BatchSettings, CellModel, CellOutcome, Filaments, InFits, Paced, SideBySide,
-};
+use super::cell_model::{CellModel, Filaments, InFits, SideBySide};
 use super::description::{
     Gate, Input, ModelError, Moved, Output, StateVariable, Stimulation, TensionKind,
 };
 use super::land_2017::{self, Myofilaments};
 use super::pacing::Stimulus;
-use super::settings::{CellMethod, SolveError, SolverSettings};
-use super::tape;
+use super::settings::{CellMethod, SolverSettings};
+use super::tape::{Compiled, OnTape};
 use crate::parameter::ParameterSet;
 use equations::{BEHIND, Constants, Form, GATES, Outside, Parts, derivatives};
 use gate::Moving;
 use membrane::PER_CURRENT_I;
-use std::any::Any;
 use std::sync::{Arc, LazyLock};
 
 /// Layer of the ventricular wall.
@@ -164,11 +161,6 @@ impl TomekModel {
     /// Which form of the model it is.
     pub fn variant(&self) -> Variant {
         self.variant
-    }
-
-    /// Its equations as a tape.
-    pub(super) fn compiled(&self) -> tape::Compiled {
-        compiled::compiled(&self.constants, CALCIUM)
     }
 
     fn all_states(layer: Layer, variant: Variant) -> Vec<StateVariable> {
@@ -385,24 +377,8 @@ impl CellModel for TomekModel {
     }
 }
 
-impl SideBySide for TomekModel {
-    fn method(&self) -> CellMethod {
-        CellMethod::Stiff
-    }
-
-    fn tells_beats(&self) -> bool {
-        false
-    }
-
-    fn move_all(
-        &self,
-        cells: &[&Paced],
-        settings: &BatchSettings,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Option<Vec<Result<CellOutcome, SolveError>>> {
-        tape::move_all(cells, settings, goes_on, |model| {
-            let model: &dyn Any = model;
-            model.downcast_ref().map(Self::compiled)
-        })
+impl OnTape for TomekModel {
+    fn compiled(&self) -> Compiled {
+        compiled::compiled(&self.constants, CALCIUM)
     }
 }

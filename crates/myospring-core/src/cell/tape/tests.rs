@@ -84,24 +84,18 @@ fn cells_of_equations_have_the_same_bits_alone_among_others_and_with_other_lanes
         assert!(expected.is_ok());
         assert_eq!(&run(std::slice::from_ref(cell), &SETTINGS).unwrap()[0], expected);
     }
-    let ours = |model: &dyn CellModel| {
-        let model: &dyn std::any::Any = model;
-        model.downcast_ref::<EquationModel>().map(|model| model.compiled().clone())
-    };
     let all: Vec<&Paced> = cells.iter().collect();
-    let one = moved(&members(&all, ours), &SETTINGS, &|| true, Lanes::<1>::try_step).unwrap();
-    let five = moved(&members(&all, ours), &SETTINGS, &|| true, Lanes::<5>::try_step).unwrap();
+    let one =
+        moved(&members::<EquationModel>(&all), &SETTINGS, &|| true, Lanes::<1>::try_step).unwrap();
+    let five =
+        moved(&members::<EquationModel>(&all), &SETTINGS, &|| true, Lanes::<5>::try_step).unwrap();
     assert_eq!((&one, &five), (&together, &together));
 }
 
 /// All cells to their end, with these vector units.
 fn by<S: pulp::Simd>(simd: S, cells: &[Paced]) -> Vec<Result<CellOutcome, SolveError>> {
-    let tomek = |model: &dyn CellModel| {
-        let model: &dyn std::any::Any = model;
-        model.downcast_ref::<TomekModel>().map(TomekModel::compiled)
-    };
     let cells: Vec<&Paced> = cells.iter().collect();
-    let members = members(&cells, tomek);
+    let members = members::<TomekModel>(&cells);
     moved(&members, &SETTINGS, &|| true, |it: &mut Lanes<LANES>| S::vectorize(simd, TryStep(it)))
         .unwrap()
 }
