@@ -7,6 +7,7 @@ use myospring::interruption::Interruption;
 use myospring::output::json;
 use myospring::study::Threads;
 use pyo3::prelude::*;
+use pyo3::sync::MutexExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -26,7 +27,7 @@ pub(crate) struct Watch {
 }
 
 /// What is done, how many steps it has, and the last one that the function heard of.
-#[derive(Default, Clone)]
+#[derive(Default)]
 struct Stage {
     what: String,
     of: u64,
@@ -77,12 +78,15 @@ impl Observer for Watch {
 
     fn reached(&self, done: u64) {
         let Some(progress) = &self.progress else { return };
-        let Stage { what, of, told } = held(&self.stage).clone();
-        if told == Some(done) || self.has_raised.load(Ordering::Relaxed) {
-            return;
-        }
-        held(&self.stage).told = Some(done);
-        self.heard(Python::attach(|py| progress.call1(py, (what, done, of)).map(drop)));
+        self.heard(Python::attach(|py| {
+            // Held while the function hears of it, so that threads tell one after the other.
+            let mut stage = self.stage.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+            if stage.told >= Some(done) || self.has_raised.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            stage.told = Some(done);
+            progress.call1(py, (&stage.what, done, stage.of)).map(drop)
+        }));
     }
 
     fn note(&self, text: &str) {
