@@ -71,7 +71,7 @@ def literal(row: dict[str, Any]) -> str:
 
 
 def annotation(row: dict[str, Any]) -> str:
-    kinds = {"text": "str", "file": "str | PathLike[str]", "words": "str", "flag": "bool", "whole": "int",
+    kinds = {"text": "str", "name-or-file": "str | PathLike[str]", "file": "str | PathLike[str]", "words": "str", "flag": "bool", "whole": "int",
              "quantity": "float", "named": "Mapping[str, float | str]"}
     written = {"segmentation.seed": "tuple[float, float]", "segmentation.cell": "int | str",
                "segmentation.z": "int | str", "stimulus.amplitude": "float | str"}

@@ -39,6 +39,14 @@ pub fn is_model_file(name: &str) -> bool {
     [".mmt", ".cellml"].iter().any(|ending| name.ends_with(ending) && name.len() > ending.len())
 }
 
+/// Whether the content of a model file takes parts of the model from other files.
+pub fn has_imports(content: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(content);
+    roxmltree::Document::parse(&text).is_ok_and(|document| {
+        document.descendants().any(|element| element.tag_name().name() == "import")
+    })
+}
+
 /// Reads the text of a model file. `beside` returns the text of an imported file, by its path
 /// relative to the folder of the file, or `None` if there is none.
 ///

@@ -1,12 +1,22 @@
 //! What reading a file takes, and why it may fail.
 
 use std::fmt;
+use std::str::FromStr;
 
 /// The longest file, bytes.
 pub const LONGEST_FILE: usize = 8 << 20;
 
 /// Variables that the user names, `component.variable`; what is not named is found.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+///
+/// # Example
+/// ```
+/// use myospring_cell_files::Choices;
+/// let choices: Choices = "calcium=Ca.cai, stimulus=membrane.i_app".parse()?;
+/// assert_eq!(choices.calcium.as_deref(), Some("Ca.cai"));
+/// assert_eq!(choices.to_string(), "stimulus=membrane.i_app,calcium=Ca.cai");
+/// # Ok::<(), String>(())
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Choices {
     /// The membrane potential.
     pub potential: Option<String>,
@@ -16,6 +26,55 @@ pub struct Choices {
     pub calcium: Option<String>,
     /// Active tension.
     pub tension: Option<String>,
+}
+
+impl FromStr for Choices {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut choices = Self::default();
+        for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
+            let wrong = |reason: &str| {
+                format!(
+                    "`{part}` {reason}; write ROLE=VARIABLE, separated by commas, where ROLE is potential, stimulus, \
+                     calcium or tension: calcium=Ca.cai"
+                )
+            };
+            let (role, variable) = part.split_once('=').ok_or_else(|| wrong("names no role"))?;
+            let place = match role.trim() {
+                "potential" => &mut choices.potential,
+                "stimulus" => &mut choices.stimulus,
+                "calcium" => &mut choices.calcium,
+                "tension" => &mut choices.tension,
+                _ => return Err(wrong("has an unknown role")),
+            };
+            if variable.trim().is_empty() {
+                return Err(wrong("names no variable"));
+            }
+            if place.replace(variable.trim().to_owned()).is_some() {
+                return Err(wrong("names a second variable for its role"));
+            }
+        }
+        Ok(choices)
+    }
+}
+
+impl fmt::Display for Choices {
+    fn fmt(&self, form: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { potential, stimulus, calcium, tension } = self;
+        let all = [
+            ("potential", potential),
+            ("stimulus", stimulus),
+            ("calcium", calcium),
+            ("tension", tension),
+        ];
+        let named = all.iter().filter_map(|(role, name)| Some((role, name.as_ref()?)));
+        for (index, (role, name)) in named.enumerate() {
+            let comma = if index > 0 { "," } else { "" };
+            write!(form, "{comma}{role}={name}")?;
+        }
+        Ok(())
+    }
 }
 
 /// Why a file cannot be read.

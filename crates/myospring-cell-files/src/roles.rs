@@ -142,7 +142,7 @@ fn potential(draft: &Draft, choice: Option<usize>) -> Result<(usize, usize, Foun
         .or_else(|| named(draft, &POTENTIALS, &is_state).map(|index| (index, Found::Name)));
     let Some((index, found)) = found else {
         let reason = format!(
-            "the membrane potential was not found; name it with `potential`. The states are: {}",
+            "the membrane potential was not found; name it: potential=component.variable. The states are: {}",
             states(draft)
         );
         return Err(Problem::new(reason));

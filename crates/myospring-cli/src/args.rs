@@ -13,6 +13,7 @@ use clap::builder::styling::AnsiColor;
 use clap::builder::{PossibleValue, PossibleValuesParser, Styles};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+use myospring::cell_files::Choices;
 use myospring::run_file::PRESETS;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -428,7 +429,7 @@ pub(crate) struct StudyInitArgs {
 #[command(after_help = "Examples:\n  myospring models\n  myospring models coelho_2021 --json\n  \
     myospring models paci-2020.mmt\n  \
     myospring models paci-2020.mmt --rates\n  \
-    myospring models model.cellml --stimulus membrane.i_app")]
+    myospring models model.cellml --variables stimulus=membrane.i_app,calcium=Ca.cai")]
 pub(crate) struct ModelsArgs {
     /// Show the parameters of this model, or what is in this .cellml or .mmt file
     pub(crate) name: Option<String>,
@@ -438,18 +439,13 @@ pub(crate) struct ModelsArgs {
     /// Print the rates of all states at the start, per ms, without a stimulus, as JSON
     #[arg(long, requires = "name", conflicts_with = "json")]
     pub(crate) rates: bool,
-    /// The membrane potential in a file that does not say: component.variable
-    #[arg(long, requires = "name", value_name = "VARIABLE")]
-    pub(crate) potential: Option<String>,
-    /// The stimulus current in a file that does not say
-    #[arg(long, requires = "name", value_name = "VARIABLE")]
-    pub(crate) stimulus: Option<String>,
-    /// Free calcium of the cytosol in a file that does not say
-    #[arg(long, requires = "name", value_name = "VARIABLE")]
-    pub(crate) calcium: Option<String>,
-    /// Active tension in a file that does not say
-    #[arg(long, requires = "name", value_name = "VARIABLE")]
-    pub(crate) tension: Option<String>,
+    /// Integrate one beat in two ways, and say how far they lie apart
+    #[arg(long, requires = "name", conflicts_with_all = ["json", "rates"])]
+    pub(crate) check: bool,
+    /// Variables that a file does not tell: ROLE=VARIABLE, separated by commas, with the roles potential,
+    /// stimulus, calcium and tension
+    #[arg(long, requires = "name", value_name = "ROLE=VARIABLE,...")]
+    pub(crate) variables: Option<Choices>,
 }
 
 /// `myospring schema`.

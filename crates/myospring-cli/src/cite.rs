@@ -4,8 +4,8 @@ use crate::args::{Cli, Command, ModelsArgs};
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::{input, print};
-use myospring::cell;
 use myospring::experiment::citations::bibtex;
+use myospring::settings::Models;
 use std::path::Path;
 
 /// Prints what to cite: this program, the paper behind it, and the papers of the cell model.
@@ -18,8 +18,9 @@ pub(crate) fn print(cli: &Cli) -> Result<ExitCode, Failure> {
             input::settle(run_file, &args.settings.model())?.1.cell
         }
         Some(Command::Batch(args)) => input::settle(None, &args.settings.model())?.1.cell,
-        Some(Command::Models(ModelsArgs { name: Some(name), .. })) => {
-            cell::model(name).map_err(Failure::new)?
+        Some(Command::Models(ModelsArgs { name: Some(name), variables, .. })) => {
+            let variables = variables.clone().unwrap_or_default();
+            Models::default().model(name, &variables).map_err(Failure::new)?
         }
         _ => input::settle(None, &[])?.1.cell,
     };

@@ -47,7 +47,9 @@ pub(crate) fn models(args: &ModelsArgs) -> Result<ExitCode, Failure> {
     }
     if let Some(name) = &args.name {
         let model = cell::model(name).map_err(Failure::new)?;
-        let text = if args.rates {
+        let text = if args.check {
+            model_files::checked(&*model)?
+        } else if args.rates {
             model_files::rates_of(&*model)?
         } else if args.json {
             json::pretty(&Model::of(&*model, true))?

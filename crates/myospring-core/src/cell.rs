@@ -54,6 +54,7 @@ pub mod tension;
 pub mod tomek_2019;
 pub mod toy;
 pub mod trace;
+pub mod two_ways;
 mod upstroke;
 
 pub use cell_model::{Adaptive, AdaptiveSteps, CellModel, Filaments, InFits, SideBySide};

@@ -3,8 +3,9 @@
 use crate::errors;
 use crate::name::name;
 use myospring::cell;
+use myospring::cell_files::Choices;
 use myospring::run_file::RunFile;
-use myospring::settings::{Run, Setting, Value, ValueKind, table, tables};
+use myospring::settings::{Models, Run, Setting, Value, ValueKind, table, tables};
 use myospring::units;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -129,6 +130,7 @@ fn read(setting: &Setting, value: &Bound<'_, PyAny>) -> PyResult<Value> {
             Value::Named(named)
         }
         ValueKind::Text { .. }
+        | ValueKind::NameOrFile { .. }
         | ValueKind::File { .. }
         | ValueKind::Words { .. }
         | ValueKind::Written { .. } => {
@@ -233,6 +235,7 @@ pub(crate) fn settings(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
 fn kind(setting: &Setting) -> &'static str {
     match setting.kind {
         ValueKind::Text { .. } => "text",
+        ValueKind::NameOrFile { .. } => "name-or-file",
         ValueKind::File { .. } => "file",
         ValueKind::Words { .. } => "words",
         ValueKind::Flag { .. } => "flag",
@@ -255,7 +258,9 @@ type Row = (String, f64, String, f64, f64, String, String);
 /// The parameters of a cell model: name, value, unit, lowest and highest value, meaning, source.
 #[pyfunction]
 pub(crate) fn parameters(py: Python<'_>, model: &str) -> PyResult<Vec<Row>> {
-    let model = cell::model(model).map_err(|error| errors::unknown(py, error.to_string()))?;
+    let model = Models::default()
+        .model(model, &Choices::default())
+        .map_err(|error| errors::unknown(py, error.to_string()))?;
     let rows = model.parameters().rows().iter().map(|row| {
         (
             row.name.to_string(),

@@ -3,9 +3,12 @@
 use crate::args::ModelsArgs;
 use crate::failure::Failure;
 use crate::table::aligned;
+use myospring::cell::equation_model::EquationModel;
 use myospring::cell::equations::{Equations, Variable};
+use myospring::cell::solve::SolverSettings;
+use myospring::cell::two_ways::two_ways;
 use myospring::cell::{CellModel, Input};
-use myospring::cell_files::{self, Choices};
+use myospring::cell_files;
 use myospring::output::json;
 use serde::Serialize;
 use serde_json::json;
@@ -40,15 +43,46 @@ pub(super) fn rates_of(model: &dyn CellModel) -> Result<String, Failure> {
     Ok(json::pretty(&Rates { states: states.collect() })?)
 }
 
+/// How long the beat is that is integrated in two ways, ms.
+const CHECKED_MS: f64 = 1000.0;
+
+/// How far two ways of integrating a beat lie apart.
+pub(super) fn checked(model: &dyn CellModel) -> Result<String, Failure> {
+    let checked = two_ways(model, CHECKED_MS).map_err(Failure::new)?;
+    let way = |settings: SolverSettings| {
+        let SolverSettings { method, step_ms, tolerance } = settings;
+        if method.chooses_steps() {
+            format!("{} steps with tolerance {tolerance}", method.name())
+        } else {
+            format!("{} steps of {step_ms} ms", method.name())
+        }
+    };
+    let mut rows =
+        vec![["", "largest difference", "of the range", "at"].map(str::to_owned).to_vec()];
+    for own in &checked.differences {
+        let part = own.largest / own.range;
+        rows.push(vec![
+            own.name.to_owned(),
+            format!("{:.2e} {}", own.largest, own.unit).trim_end().to_owned(),
+            if part.is_finite() { format!("{part:.1e}") } else { String::new() },
+            format!("{:.1} ms", own.at_ms),
+        ]);
+    }
+    let [usual, other] = checked.ways.map(way);
+    let name = model.name();
+    Ok(format!(
+        "{name}: one beat of {CHECKED_MS} ms by {usual}, and by {other}\n\n{}",
+        aligned(&rows, &[1, 2, 3])
+    ))
+}
+
 /// What was found in a file, or its rates.
 pub(super) fn text(args: &ModelsArgs, name: &str) -> Result<String, Failure> {
-    let choices = Choices {
-        potential: args.potential.clone(),
-        stimulus: args.stimulus.clone(),
-        calcium: args.calcium.clone(),
-        tension: args.tension.clone(),
-    };
+    let choices = args.variables.clone().unwrap_or_default();
     let equations = cell_files::open(Path::new(name), &choices).map_err(Failure::new)?;
+    if args.check {
+        return checked(&EquationModel::new(equations).map_err(Failure::new)?);
+    }
     if args.json {
         return as_json(&equations);
     }

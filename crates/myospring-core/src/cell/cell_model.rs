@@ -10,6 +10,7 @@ use super::calcium::{Calcium, CalciumTrace};
 use super::description::{
     Gate, Input, KnownDeparture, ModelError, Output, StateVariable, Stimulation, TensionKind,
 };
+use super::equations::Equations;
 use super::given_tension::{TensionClock, TensionCourse};
 use super::land_2017::Myofilaments;
 use super::pacing::{Protocol, Stimulus};
@@ -123,6 +124,19 @@ pub trait CellModel: Any + Send + Sync {
         _course: &TensionCourse,
         _clock: TensionClock,
     ) -> Option<Arc<dyn CellModel>> {
+        None
+    }
+    /// The equations that it was read from, for models from a file; `None` by default.
+    fn equations_read(&self) -> Option<&Equations> {
+        None
+    }
+    /// Whether the myofilaments of `land_2017` make its tension, for models that leave this choice; `None` by default.
+    fn myofilaments_chosen(&self) -> Option<bool> {
+        None
+    }
+    /// The same model, with its published parameters, with or without the myofilaments of `land_2017` driven by its
+    /// calcium; `None` by default, for models that do not leave this choice.
+    fn choose_myofilaments(&self, _wanted: bool) -> Option<Result<Arc<dyn CellModel>, ModelError>> {
         None
     }
     /// The greatest value of its prescribed tension, kPa; `None` by default, for models that compute

@@ -23,6 +23,11 @@ impl Files {
         Self { held: Arc::new(held), ..Self::default() }
     }
 
+    /// Contents of the files that are not on the disk, by name.
+    pub fn held(&self) -> Arc<BTreeMap<String, Vec<u8>>> {
+        Arc::clone(&self.held)
+    }
+
     /// Whether a path is that of a folder; a file that is held is none.
     ///
     /// # Errors

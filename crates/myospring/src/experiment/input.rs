@@ -6,7 +6,7 @@ use super::refused::{Place, Refused};
 use crate::interruption::Interruption;
 use crate::microscopy::read;
 use crate::run_file::{Origin, Reader, Run, ShapeBytes, Shaped, Source};
-use crate::settings::{OUTLINE_ENDINGS, PICTURE_ENDINGS, Setting, Value};
+use crate::settings::{Models, OUTLINE_ENDINGS, PICTURE_ENDINGS, Setting, Value};
 use std::fs;
 use std::path::Path;
 
@@ -131,7 +131,7 @@ pub fn settle_with(
     files: &Files,
     interruption: &Interruption,
 ) -> Result<(String, Run), ExperimentError> {
-    let mut reader = Reader::new();
+    let mut reader = Reader::new().knowing(Models::default().holding(files.held()));
     let mut text = None;
     if let Some(path) = path {
         match ending(path).as_str() {

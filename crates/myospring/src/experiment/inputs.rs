@@ -3,6 +3,7 @@
 
 use super::error::ExperimentError;
 use super::folder::Folder;
+use crate::cell_files::{has_imports, is_model_file};
 use crate::run_file::RunFile;
 use crate::study::sha256;
 use std::collections::BTreeMap;
@@ -43,7 +44,9 @@ impl Inputs {
             // One that these results have made.
             let own = from_results.clone().filter(|name| folder.has(name));
             let large = fs::metadata(&*path).is_ok_and(|file| file.len() > LARGEST_COPY);
-            let copy = if own.is_none() && !large { read(path).ok() } else { None };
+            // What a model imports lies beside it.
+            let imports = is_model_file(path) && read(path).is_ok_and(|bytes| has_imports(&bytes));
+            let copy = if own.is_none() && !large && !imports { read(path).ok() } else { None };
             let name = match (own, copy) {
                 (Some(own), _) => own,
                 (None, Some(bytes)) => {

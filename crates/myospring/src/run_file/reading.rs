@@ -3,7 +3,8 @@
 use super::error::{Origin, RunFileError};
 use super::file::{RunFile, from_toml, to_toml};
 use super::rules;
-use crate::settings::{Failure, Problem, Run, Setting, Value, find, table, tables};
+use crate::cell_files::Choices;
+use crate::settings::{Failure, Models, Problem, Run, Setting, Value, find, table, tables};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -34,6 +35,7 @@ pub struct Reader {
     /// Name and text of the file.
     file: String,
     text: String,
+    models: Models,
 }
 
 /// Position of a key and of its value.
@@ -55,6 +57,12 @@ impl Reader {
     /// Creates a reader without text and options: a run with every default.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Allows `cell.model` to name these models in addition to the listed ones.
+    #[must_use]
+    pub fn knowing(self, models: Models) -> Self {
+        Self { models, ..self }
     }
 
     /// Adds the text of a run file; messages call it `file`.
@@ -126,7 +134,9 @@ impl Reader {
     #[must_use]
     pub fn overriding(mut self, origin: Origin, key: &str, value: impl Into<Value>) -> Self {
         let value = value.into();
-        for other in rules::put_out_of_force(key, &value) {
+        let model = value.as_text().filter(|_| key == "cell.model");
+        let model = model.and_then(|name| self.models.model(name, &self.variables()).ok());
+        for other in rules::put_out_of_force(key, &value, model.as_deref()) {
             self.remove(other);
         }
         let value = to_toml(&value);
@@ -187,8 +197,14 @@ impl Reader {
         Ok((file, self))
     }
 
+    /// The variables that the user named so far.
+    fn variables(&self) -> Choices {
+        let named = self.table.get("cell").and_then(|cell| cell.get("variables"));
+        named.and_then(|text| text.as_str()?.parse().ok()).unwrap_or_default()
+    }
+
     fn gathered(&self) -> Result<RunFile, Failure> {
-        let mut file = RunFile::default();
+        let mut file = RunFile::default().knowing(self.models.clone());
         for (key, value) in &self.table {
             if let Some(rows) = tables().iter().find(|rows| rows.name == key) {
                 let toml::Value::Table(table) = value else {

@@ -2,7 +2,7 @@
 
 use super::file::RunFile;
 use crate::cell::pacing::Stimulus;
-use crate::cell::{self, CellModel, TensionKind, calcium};
+use crate::cell::{CellModel, TensionKind, calcium};
 use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
@@ -64,8 +64,13 @@ const SPRINGS: [Springs; 3] = [
     },
 ];
 
-/// Returns the keys that an option overrides when it sets this key to this value.
-pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
+/// Returns the keys that an option overrides when it sets this key to this value; `model` is the cell model that
+/// it names.
+pub(super) fn put_out_of_force(
+    key: &str,
+    value: &Value,
+    model: Option<&dyn CellModel>,
+) -> Vec<&'static str> {
     let word = value.as_text();
     match key {
         "mechanics.support" => {
@@ -74,12 +79,12 @@ pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
         }
         "mechanics.fibre" if !["auto", "picture"].map(Some).contains(&word) => OF_FIBRES.to_vec(),
         "cell.model" => {
-            let model = word.and_then(|name| cell::model(name).ok());
-            let own = |what: fn(&dyn CellModel) -> bool, keys: &[&'static str]| match &model {
-                Some(model) if what(&**model) => keys.to_vec(),
+            let own = |what: fn(&dyn CellModel) -> bool, keys: &[&'static str]| match model {
+                Some(model) if what(model) => keys.to_vec(),
                 _ => Vec::new(),
             };
             [
+                own(|cell| cell.equations_read().is_none(), &OF_FILES),
                 own(has_own_tension, &OF_RELATIVE_TENSION),
                 own(is_prescribed, &OF_MEMBRANE),
                 own(|cell| cell.given_peak().is_none(), &OF_GIVEN_TENSION),
@@ -97,14 +102,24 @@ pub(super) fn put_out_of_force(key: &str, value: &Value) -> Vec<&'static str> {
 /// What was assumed where the run file is silent, and a person should know.
 pub(super) fn assumed(file: &RunFile, run: &Run) -> Vec<String> {
     const BED: &str = "mechanics.bed_stiffness";
-    match run.support {
-        SupportKind::ElasticBed { stiffness } if !file.has(BED) => vec![format!(
+    let bed = match run.support {
+        SupportKind::ElasticBed { stiffness } if !file.has(BED) => Some(format!(
             "the stiffness of the bed is not stated: {} is assumed, and how far the cell shortens under a tension depends \
              on it (--bed-stiffness)",
             units::format(stiffness, Dimension::BedStiffness)
-        )],
-        _ => Vec::new(),
-    }
+        )),
+        _ => None,
+    };
+    let has_myofilaments = run.cell.myofilaments_chosen() == Some(true);
+    let myofilaments = has_myofilaments.then(|| {
+        let chosen = if file.has("cell.myofilaments") { "" } else { ", since the file has none (--myofilaments)" };
+        format!(
+            "the tension is that of the myofilaments of land_2017, driven by the calcium of {}{chosen}; calcium does not depend \
+             on them",
+            run.cell.name()
+        )
+    });
+    bed.into_iter().chain(myofilaments).collect()
 }
 
 /// Checks a run together with the run file that it was made from.
@@ -134,6 +149,8 @@ fn alternatives(file: &RunFile) -> Checked {
     Ok(())
 }
 
+/// Keys that apply only to models from files.
+const OF_FILES: [&str; 2] = ["cell.variables", "cell.myofilaments"];
 /// Keys that apply only to models whose tension is scaled.
 const OF_RELATIVE_TENSION: [&str; 1] = ["cell.peak_tension"];
 /// Keys that apply only to models with a membrane, which a stimulus can change.
@@ -150,6 +167,19 @@ fn is_prescribed(cell: &dyn CellModel) -> bool {
 }
 
 fn cell_model(file: &RunFile, run: &Run) -> Checked {
+    if run.cell.equations_read().is_none()
+        && let Some(second) = OF_FILES.into_iter().find(|key| file.has(key))
+    {
+        let advice = "only the model of a file has it; give model = \"FILE.mmt\" or \"FILE.cellml\", or leave it out";
+        return exclude("cell.model", second, advice);
+    }
+    if let Some(asked) = file.get("cell.myofilaments").and_then(Value::as_text)
+        && run.cell.myofilaments_chosen() != Some(asked != "none")
+    {
+        let advice = "the myofilaments of land_2017 need calcium, and none was found in the file; name its variable \
+                      with variables = \"calcium=component.variable\"";
+        return exclude("cell.model", "cell.myofilaments", advice);
+    }
     if has_own_tension(&*run.cell)
         && let Some(second) = OF_RELATIVE_TENSION.into_iter().find(|key| file.has(key))
     {

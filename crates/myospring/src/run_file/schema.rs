@@ -110,9 +110,14 @@ fn of_setting(setting: &Setting) -> Value {
                 insert("pattern", pattern(bounds.dimension).into());
             }
         }
+        ValueKind::NameOrFile { endings, .. } => {
+            let file = format!("\\.({})$", endings.join("|"));
+            let list = json!({"enum": names(setting)});
+            insert("anyOf", json!([list, {"pattern": file}]));
+        }
         ValueKind::Text { .. } | ValueKind::File { .. } | ValueKind::Flag { .. } => {}
     }
-    if let Some(names) = names(setting) {
+    if let (ValueKind::Text { .. }, Some(names)) = (setting.kind, names(setting)) {
         insert("enum", names.into());
     }
     if let Some(example) = setting.example() {
@@ -137,9 +142,10 @@ fn kind_of_value(setting: &Setting) -> Value {
         ValueKind::Flag { .. } => "boolean".into(),
         ValueKind::Whole { .. } => "integer".into(),
         ValueKind::Named { .. } => "object".into(),
-        ValueKind::Text { .. } | ValueKind::File { .. } | ValueKind::Words { .. } => {
-            "string".into()
-        }
+        ValueKind::Text { .. }
+        | ValueKind::NameOrFile { .. }
+        | ValueKind::File { .. }
+        | ValueKind::Words { .. } => "string".into(),
         ValueKind::Quantity { .. } | ValueKind::Written { .. } if setting.takes_numbers() => {
             json!(["number", "string"])
         }

@@ -1,32 +1,97 @@
-//! The cell models that `cell.model` may name: listed ones and own ones.
+//! The cell models that `cell.model` may name: listed ones, own ones, and those of files.
 
-use crate::cell::{self, CellModel, UnknownModel};
+use super::problem::Problem;
+use crate::cell::equation_model::EquationModel;
+use crate::cell::{self, CellModel};
+use crate::cell_files::{self, Choices};
+use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::Arc;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// Own cell models, in addition to those of [`cell::models`].
+/// Endings of the files of cell models.
+pub(super) const MODEL_ENDINGS: &[&str] = &["mmt", "cellml"];
+
+/// Own cell models, in addition to those of [`cell::models`] and to files in CellML or Myokit's form. A file is read
+/// once; clones share what was read.
 #[derive(Clone, Default)]
-pub struct Models(Vec<Arc<dyn CellModel>>);
+pub struct Models {
+    own: Vec<Arc<dyn CellModel>>,
+    of_files: Arc<Mutex<BTreeMap<(String, Choices), Arc<dyn CellModel>>>>,
+    held: Arc<BTreeMap<String, Vec<u8>>>,
+}
 
 impl Models {
     /// Adds own models; an own model replaces a listed one of the same name.
     pub fn new(own: &[Arc<dyn CellModel>]) -> Self {
-        Self(own.to_vec())
+        Self { own: own.to_vec(), ..Self::default() }
     }
 
-    /// The model of this name, as given or published.
+    /// The same, with files of models that are not on the disk: their contents by name.
+    #[must_use]
+    pub fn holding(self, held: Arc<BTreeMap<String, Vec<u8>>>) -> Self {
+        Self { held, of_files: Arc::default(), ..self }
+    }
+
+    /// The name by which [`Models::model`] finds a model: that of its file as written, or its own.
+    pub fn name_of(model: &dyn CellModel) -> &str {
+        let file = model.equations_read().map(|equations| equations.source.file.as_str());
+        file.filter(|file| cell_files::is_model_file(file)).unwrap_or_else(|| model.name())
+    }
+
+    /// The model of this name, as given or published, or that of the file of this name. Without a
+    /// tension of its own, a file's model takes the myofilaments of `land_2017` where it has
+    /// calcium.
     ///
     /// # Errors
-    /// An unknown name.
-    pub fn model(&self, name: &str) -> Result<Arc<dyn CellModel>, UnknownModel> {
-        let own = self.0.iter().find(|model| model.name() == name);
-        own.map_or_else(|| cell::model(name), |model| Ok(Arc::clone(model)))
+    /// An unknown name, a file that cannot be read or simulated.
+    pub fn model(&self, name: &str, variables: &Choices) -> Result<Arc<dyn CellModel>, Problem> {
+        if let Some(own) = self.own.iter().find(|model| model.name() == name) {
+            return Ok(Arc::clone(own));
+        }
+        if !cell_files::is_model_file(name) {
+            return cell::model(name).map_err(Problem::Model);
+        }
+        let mut known = self.of_files.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (name.to_owned(), variables.clone());
+        if let Some(model) = known.get(&key) {
+            return Ok(Arc::clone(model));
+        }
+        let model = read(name, variables, &self.held)?;
+        known.insert(key, Arc::clone(&model));
+        Ok(model)
     }
+}
+
+/// Reads the model of a file; `held` has the contents of files that are not on the disk.
+fn read(
+    name: &str,
+    choices: &Choices,
+    held: &BTreeMap<String, Vec<u8>>,
+) -> Result<Arc<dyn CellModel>, Problem> {
+    let failed = |reason: String| Problem::ModelFile { reason };
+    let equations = match held.get(name).map(|bytes| std::str::from_utf8(bytes)) {
+        None => cell_files::open(Path::new(name), choices),
+        Some(Err(_)) => return Err(failed(format!("`{name}` is not text (UTF-8)"))),
+        Some(Ok(text)) => cell_files::read(name, text, choices, &|beside| {
+            let path = Path::new(name).with_file_name(beside);
+            String::from_utf8(held.get(path.to_str()?)?.clone()).ok()
+        }),
+    };
+    let equations = equations.map_err(|error| failed(error.to_string()))?;
+    let roles = &equations.roles;
+    let with_myofilaments = roles.tension.is_none() && roles.calcium.is_some();
+    let model = if with_myofilaments {
+        EquationModel::with_myofilaments(equations)
+    } else {
+        EquationModel::new(equations)
+    };
+    Ok(Arc::new(model.map_err(|error| failed(error.to_string()))?))
 }
 
 impl fmt::Debug for Models {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.debug_list().entries(self.0.iter().map(|model| model.name())).finish()
+        formatter.debug_list().entries(self.own.iter().map(|model| model.name())).finish()
     }
 }
 
@@ -35,6 +100,6 @@ impl PartialEq for Models {
         let same = |(a, b): (&Arc<dyn CellModel>, &Arc<dyn CellModel>)| {
             a.name() == b.name() && a.parameters() == b.parameters()
         };
-        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(same)
+        self.own.len() == other.own.len() && self.own.iter().zip(&other.own).all(same)
     }
 }

@@ -59,6 +59,14 @@ pub enum Problem {
         /// The value.
         value: f64,
     },
+    /// Text in a form that cannot be read.
+    #[error("`{key}`: {reason}")]
+    Text {
+        /// The key.
+        key: &'static str,
+        /// What is wrong, and how to mend it.
+        reason: String,
+    },
     /// A value with a wrong unit, or without one.
     #[error("`{key}`: {cause}")]
     Unit {
@@ -142,6 +150,12 @@ pub enum Problem {
     /// No cell model of that name.
     #[error("`cell.model`: {0}")]
     Model(UnknownModel),
+    /// The file of a cell model that cannot be read or simulated.
+    #[error("{reason}")]
+    ModelFile {
+        /// File, line, component, what is wrong, and how to mend it.
+        reason: String,
+    },
     /// A parameter that does not exist, or a value outside its range.
     #[error("`cell.parameters`: {0}")]
     Parameter(ParameterError),
@@ -221,11 +235,16 @@ impl Problem {
             }
             Self::Ending { known, .. } => Some(format!("files that are read: {known}")),
             Self::Model(_) => Some("`myospring models` lists the cell models".to_owned()),
+            Self::ModelFile { .. } => Some(
+                "`myospring models FILE` shows what is found in the file of a cell model"
+                    .to_owned(),
+            ),
             Self::Parameter(_) | Self::Parameters(_) => {
                 Some("`myospring models NAME` lists the parameters with their ranges".to_owned())
             }
             Self::UnknownWord { .. }
             | Self::Kind { .. }
+            | Self::Text { .. }
             | Self::Conflict { .. }
             | Self::Missing { .. }
             | Self::EndsBeforeS2 { .. }

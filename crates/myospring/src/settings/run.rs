@@ -5,9 +5,11 @@ use super::content::{self, ContentError};
 use super::fibres::{Asked, FibreDirection, Fibres};
 use super::models::Models;
 use super::places::FromPlaces;
+use super::problem::Problem;
 use super::sarcomeres::{self, SarcomereError};
 use super::shape::{Shape, Shaped, Source};
 use super::steady::{self, CacheError};
+use crate::cell_files::Choices;
 use super::tension::{self, TensionError};
 use crate::cell::given_tension::TensionClock;
 use crate::cell::pacing::Protocol;
@@ -39,6 +41,8 @@ const AFTER_LAST_STIMULUS: f64 = 550.0;
 pub struct Run {
     /// The cell models that `cell.model` may name.
     pub models: Models,
+    /// The variables that the user named in the file of the cell model.
+    pub variables: Choices,
     /// Title, for people; may be empty.
     pub title: String,
     /// The cell model with its parameters.
@@ -160,6 +164,7 @@ impl Run {
         let numerics = Numerics::default();
         Self {
             models: Models::default(),
+            variables: Choices::default(),
             title: String::new(),
             cell: Arc::new(cell),
             calcium: None,
@@ -297,6 +302,21 @@ impl Run {
         let smooth = of_mask.and_then(|(_, cell)| trace_mask(&cell.mask, Edge::Smooth).ok());
         let outline = smooth.unwrap_or(outline);
         Ok(MeshedRun { simulation, report, outline, fibres, picture })
+    }
+
+    /// The cell model with its published parameters, and with the myofilaments of this run.
+    ///
+    /// # Errors
+    /// A model that is not known by its name, or a file that can no longer be read.
+    pub fn published_cell(&self) -> Result<Arc<dyn CellModel>, Problem> {
+        let published = self.models.model(Models::name_of(&*self.cell), &self.variables)?;
+        let (wanted, there) = (self.cell.myofilaments_chosen(), published.myofilaments_chosen());
+        match wanted.filter(|_| wanted != there).and_then(|it| published.choose_myofilaments(it)) {
+            Some(chosen) => {
+                chosen.map_err(|error| Problem::ModelFile { reason: error.to_string() })
+            }
+            None => Ok(published),
+        }
     }
 
     /// The cell model with calcium or tension from a table, and a warning if there is one; `read`

@@ -55,6 +55,15 @@ pub enum ValueKind {
         /// Writer.
         set: fn(&mut Run, &str) -> Result<(), Problem>,
     },
+    /// A name from a list that is defined elsewhere, or the name of a file with one of some endings.
+    NameOrFile {
+        /// Endings of the files, without the dot.
+        endings: &'static [&'static str],
+        /// Reader.
+        get: Get<String>,
+        /// Writer.
+        set: fn(&mut Run, &str) -> Result<(), Problem>,
+    },
     /// The name of a file, or one of some words instead.
     File {
         /// Known endings, without the dot.
@@ -206,7 +215,14 @@ impl Setting {
 
     /// Whether a value of it names a file.
     pub fn names_file(&self, value: &str) -> bool {
-        matches!(self.kind, ValueKind::File { words, .. } if !words.contains(&value))
+        match self.kind {
+            ValueKind::File { words, .. } => !words.contains(&value),
+            ValueKind::NameOrFile { endings, .. } => {
+                let ending = value.rsplit_once('.').map_or("", |(_, ending)| ending);
+                endings.iter().any(|known| known.eq_ignore_ascii_case(ending))
+            }
+            _ => false,
+        }
     }
 
     /// The allowed words; empty if it may be anything else.
@@ -242,7 +258,7 @@ impl Setting {
     /// An example, as written by users; `None` if any text is allowed.
     pub fn example(&self) -> Option<Value> {
         Some(match self.kind {
-            ValueKind::Text { .. } => return None,
+            ValueKind::Text { .. } | ValueKind::NameOrFile { .. } => return None,
             ValueKind::File { example, .. } => Value::from(example),
             ValueKind::Words { words, .. } => Value::from(words.first()?.name),
             ValueKind::Flag { .. } => Value::Flag(true),
@@ -263,7 +279,9 @@ impl Setting {
     /// shape or the stability limit determines it.
     pub fn get(&self, run: &Run) -> Option<Value> {
         match self.kind {
-            ValueKind::Text { get, .. } | ValueKind::File { get, .. } => get(run).map(Value::Text),
+            ValueKind::Text { get, .. }
+            | ValueKind::NameOrFile { get, .. }
+            | ValueKind::File { get, .. } => get(run).map(Value::Text),
             ValueKind::Words { get, .. } => get(run).map(Value::from),
             ValueKind::Flag { get, .. } => get(run).map(Value::Flag),
             ValueKind::Whole { get, .. } => get(run).map(|number| Value::Whole(number.into())),
@@ -350,7 +368,10 @@ impl Setting {
         let accepted = self.accept(value.clone())?;
         let done = match (self.kind, &accepted) {
             (ValueKind::Named { set, .. }, Value::Named(values)) => return set(run, values),
-            (ValueKind::Text { set, .. }, Value::Text(text)) => set(run, text),
+            (
+                ValueKind::Text { set, .. } | ValueKind::NameOrFile { set, .. },
+                Value::Text(text),
+            ) => set(run, text),
             (ValueKind::File { endings, words, set, .. }, Value::Text(path)) => {
                 let is_word = words.contains(&path.as_str());
                 let checked =

@@ -43,8 +43,8 @@ impl EquationModel {
         };
         if myofilaments && equations.roles.calcium.is_none() {
             return Err(contradiction(
-                "it has no calcium that could drive myofilaments; name its calcium variable, or run it without \
-                 myofilaments, as a membrane alone"
+                "it has no calcium that could drive myofilaments; name its calcium variable (calcium=component.variable), or run it \
+                 without myofilaments, as a membrane alone"
                     .to_owned(),
             ));
         }
@@ -132,8 +132,15 @@ impl EquationModel {
             amplitude: role.default.amplitude,
             duration_ms: role.default.duration_ms,
         };
-        let unit = if role.unit.is_empty() { "1/ms" } else { &role.unit };
-        Ok(Stimulation { default, current_unit: unit.to_owned().into(), moves: moves.into() })
+        // A stimulus without a unit that is as large as the rate has the unit of the rate.
+        let of_rate = moves.first().is_some_and(|moved| moved.weight.abs() == 1.0);
+        let unit = match (role.unit.as_str(), equations.states[potential].unit.as_str()) {
+            ("", "") => "1/ms".to_owned(),
+            ("", unit) if of_rate => format!("{unit}/ms"),
+            ("", _) => "1/ms".to_owned(),
+            (unit, _) => unit.to_owned(),
+        };
+        Ok(Stimulation { default, current_unit: unit.into(), moves: moves.into() })
     }
 
     /// Finds the peak of a relative tension, to which a run scales it; a tension without a peak is

@@ -2,7 +2,6 @@
 
 use super::finished::Finished;
 use super::record::resolved;
-use crate::cell;
 use crate::experiment::{ExperimentError, Folder, Inputs, citations};
 use crate::output::page::{
     self, Page, PageError, PageRun, ParameterGroup, ParameterRow, Photograph, Runs,
@@ -134,7 +133,7 @@ pub fn parameters(run: &Run, inputs: &Inputs) -> Vec<ParameterGroup> {
             groups.push(group);
         }
     }
-    let published = cell::model(run.cell.name()).ok();
+    let published = run.published_cell().ok();
     let published = published.as_ref().map(|model| model.parameters());
     let rows = run.cell.parameters().rows().iter().map(|row| {
         let own = published.and_then(|set| set.get(&row.name)).filter(|own| *own != row.value);

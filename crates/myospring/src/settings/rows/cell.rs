@@ -2,24 +2,47 @@
 
 use super::super::bounds::Bounds;
 use super::super::calcium::CALCIUM_ENDINGS;
+use super::super::models::{MODEL_ENDINGS, Models};
 use super::super::problem::{Failure, Problem};
 use super::super::run::Run;
 use super::super::setting::{Named, Setting, ValueKind};
 use super::super::tension::TENSION_ENDINGS;
 use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
-use crate::cell::coelho_2021;
 use crate::cell::given_tension::TensionClock;
 use crate::cell::solve::{CellMethod, SolverSettings};
+use crate::cell::{CellModel, coelho_2021};
+use crate::cell_files::Choices;
 use crate::mechanics::material::myofilament_material;
 use crate::simulation::StretchFelt;
 use crate::units::{self, Dimension};
+use std::sync::Arc;
 
 worded! { StretchFelt {
     StretchFelt::Cell = "cell": "That of the whole cell: its length over its resting length.",
     StretchFelt::Triangle = "triangle":
         "That of each triangle along its fibre: a model for each, much slower. For cells whose \
          parts differ, by their content of myofibrils or their fibres.",
+} }
+
+/// What makes the tension of a model from a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum FilamentChoice {
+    Land,
+    None,
+}
+
+impl FilamentChoice {
+    fn of(myofilaments: bool) -> Self {
+        if myofilaments { Self::Land } else { Self::None }
+    }
+}
+
+worded! { FilamentChoice {
+    FilamentChoice::Land = "land_2017":
+        "The myofilaments of `land_2017`, driven by the model's calcium. Calcium does not depend on them: their binding of \
+         calcium is only as the file has it.",
+    FilamentChoice::None = "none": "None: the tension of the file, if it has one.",
 } }
 
 worded! { TensionClock {
@@ -48,14 +71,59 @@ worded! { CellMethod {
 } }
 
 const PARAMETERS: &str = "cell.parameters";
+const VARIABLES: &str = "cell.variables";
 
 pub(super) const ROWS: &[Setting] = &[
+    // First: a file is read with them.
+    Setting::new(
+        VARIABLES,
+        "Variables of a model from a file that the file does not tell: ROLE=VARIABLE, separated by commas, with the roles \
+         potential, stimulus, calcium and tension and variables like component.variable; `myospring models FILE` lists them.",
+        ValueKind::Written {
+            bounds: None,
+            numbers: false,
+            example: "calcium=Ca.cai",
+            get: named_variables,
+            set: set_variables,
+        },
+    )
+    .otherwise("found by annotation, name and unit")
+    .option_saying(
+        "--variables",
+        "ROLE=VARIABLE,...",
+        "Variables that a model from a file does not tell: potential, stimulus, calcium, tension",
+    ),
     Setting::new(
         "cell.model",
-        "Cell model; `myospring models` lists them.",
-        ValueKind::Text { get: |run| Some(run.cell.name().to_owned()), set: set_model },
+        "Cell model: one of those that `myospring models` lists, or a file of a published model, relative to this file: \
+         CellML (.cellml) or Myokit's (.mmt).",
+        ValueKind::NameOrFile {
+            endings: MODEL_ENDINGS,
+            get: |run| Some(Models::name_of(&*run.cell).to_owned()),
+            set: set_model,
+        },
     )
-    .option("--model", "NAME"),
+    .option_saying(
+        "--model",
+        "NAME|FILE",
+        "Cell model: a name that `myospring models` lists, or a CellML (.cellml) or Myokit (.mmt) file",
+    ),
+    Setting::new(
+        "cell.myofilaments",
+        "What makes the tension of a model from a file: land_2017, driven by the model's calcium, or none, for the membrane \
+         alone with the tension that the file may have.",
+        ValueKind::Words {
+            words: FilamentChoice::WORDS,
+            get: |run| Some(FilamentChoice::of(run.cell.myofilaments_chosen()?).word()),
+            set: set_myofilaments,
+        },
+    )
+    .otherwise("the file's own tension; land_2017 for a file without one that has calcium")
+    .option_saying(
+        "--myofilaments",
+        "NAME",
+        "Myofilaments of a model from a file: land_2017, driven by its calcium, or none",
+    ),
     Setting::new(
         "cell.calcium",
         "Calcium from a table (.csv), relative to this file, for a model with prescribed calcium: a column of times \
@@ -206,13 +274,39 @@ pub(super) const ROWS: &[Setting] = &[
 ];
 
 fn set_model(run: &mut Run, name: &str) -> Result<(), Problem> {
-    run.cell = run.models.model(name).map_err(Problem::Model)?;
+    let cell = run.models.model(name, &run.variables)?;
+    take_cell(run, cell);
+    Ok(())
+}
+
+fn named_variables(run: &Run) -> Option<Value> {
+    let named = &run.variables;
+    (*named != Choices::default()).then(|| Value::Text(named.to_string()))
+}
+
+fn set_variables(run: &mut Run, value: &Value) -> Result<(), Problem> {
+    let wrong = |reason| Problem::Text { key: VARIABLES, reason };
+    run.variables = value.written().parse().map_err(wrong)?;
+    Ok(())
+}
+
+fn set_myofilaments(run: &mut Run, word: &str) -> Option<()> {
+    let mut choice = FilamentChoice::None;
+    choose(&mut choice, word)?;
+    // A model that has no such choice is refused by the rules of run files.
+    if let Some(Ok(cell)) = run.cell.choose_myofilaments(choice == FilamentChoice::Land) {
+        take_cell(run, cell);
+    }
+    Some(())
+}
+
+fn take_cell(run: &mut Run, cell: Arc<dyn CellModel>) {
+    run.cell = cell;
     run.protocol.stimulus = run.cell.default_stimulus();
     run.numerics.cell = run.cell.usual_settings();
     if run.cell.feels_stretch() && !run.has_relative_tension() {
         run.material = myofilament_material();
     }
-    Ok(())
 }
 
 fn set_authors_step(run: &mut Run, authors: bool) {
@@ -229,7 +323,7 @@ fn set_authors_step(run: &mut Run, authors: bool) {
 /// Parameters that differ from the published ones, each in its own unit.
 fn changed_parameters(run: &Run) -> Named {
     let cell = &run.cell;
-    let Ok(published) = run.models.model(cell.name()) else { return Named::new() };
+    let Ok(published) = run.published_cell() else { return Named::new() };
     let rows = cell.parameters().rows().iter();
     rows.filter(|row| published.parameters().get(&row.name) != Some(row.value))
         .map(|row| (row.name.to_string(), Value::Number(row.value)))
