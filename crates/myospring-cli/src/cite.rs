@@ -5,7 +5,7 @@ use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::{input, print};
 use myospring::experiment::citations::bibtex;
-use myospring::settings::Models;
+use myospring::settings::{FromFile, Models};
 use std::path::Path;
 
 /// Prints what to cite: this program, the paper behind it, and the papers of the cell model.
@@ -20,7 +20,8 @@ pub(crate) fn print(cli: &Cli) -> Result<ExitCode, Failure> {
         Some(Command::Batch(args)) => input::settle(None, &args.settings.model())?.1.cell,
         Some(Command::Models(ModelsArgs { name: Some(name), variables, .. })) => {
             let variables = variables.clone().unwrap_or_default();
-            Models::default().model(name, &variables).map_err(Failure::new)?
+            let how = FromFile { variables, myofilaments: None };
+            Models::default().model(name, &how).map_err(Failure::new)?
         }
         _ => input::settle(None, &[])?.1.cell,
     };

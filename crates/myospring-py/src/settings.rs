@@ -3,9 +3,8 @@
 use crate::errors;
 use crate::name::name;
 use myospring::cell;
-use myospring::cell_files::Choices;
 use myospring::run_file::RunFile;
-use myospring::settings::{Models, Run, Setting, Value, ValueKind, table, tables};
+use myospring::settings::{FromFile, Models, Run, Setting, Value, ValueKind, table, tables};
 use myospring::units;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -259,7 +258,7 @@ type Row = (String, f64, String, f64, f64, String, String);
 #[pyfunction]
 pub(crate) fn parameters(py: Python<'_>, model: &str) -> PyResult<Vec<Row>> {
     let model = Models::default()
-        .model(model, &Choices::default())
+        .model(model, &FromFile::default())
         .map_err(|error| errors::unknown(py, error.to_string()))?;
     let rows = model.parameters().rows().iter().map(|row| {
         (

@@ -42,7 +42,7 @@ pub use bounds::{Bounds, Whole};
 pub use calcium::{CALCIUM_ENDINGS, CalciumError, Calibration};
 pub use content::{CONTENT_ENDINGS, ContentError};
 pub use fibres::{Asked, FibreDirection, FibreReport, Fibres, NotRead, PictureFibres, SeenReport};
-pub use models::Models;
+pub use models::{FromFile, Models};
 pub use number::{NumberError, NumericSetting};
 pub use places::{FromPlaces, PlacesError};
 pub use problem::{Failure, Problem};

@@ -97,6 +97,8 @@ fn the_template_resolves_to_exactly_the_defaults_and_shows_every_key() {
 fn every_commented_key_of_the_template_is_valid_where_it_stands() {
     let text = template();
     let alternatives = [
+        "variables",
+        "myofilaments",
         "calcium",
         "calcium_dissociation",
         "ratio_min",
@@ -218,8 +220,11 @@ fn the_schema_refuses_unknown_keys_and_knows_units_and_bounds() {
     let schema = schema();
     assert_eq!(schema["additionalProperties"], false);
     assert!(schema["$id"].as_str().unwrap().starts_with("urn:myospring:run-file:"));
-    let models = schema["properties"]["cell"]["properties"]["model"]["enum"].as_array().unwrap();
+    let [models, files] =
+        [0, 1].map(|at| &schema["properties"]["cell"]["properties"]["model"]["anyOf"][at]);
+    let models = models["enum"].as_array().unwrap();
     assert!(models.contains(&"land_2017".into()) && !models.contains(&"land".into()));
+    assert_eq!(files["pattern"], "\\.(mmt|cellml)$");
     let thickness = &schema["properties"]["material"]["properties"]["thickness"];
     assert_eq!(thickness["x-unit"], "um");
     assert_eq!(thickness["x-bounds"], "above 0 um, at most 100 um");

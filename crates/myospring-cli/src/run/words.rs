@@ -125,7 +125,11 @@ fn title(name: &str, run: &Run, summary: &Summary) -> String {
     let s = if beats == 1 { "" } else { "s" };
     let of_stimuli = match summary.rhythm.not_captured.len() {
         0 => String::new(),
-        missed => format!(" after {} stimuli ({missed} not captured)", summary.rhythm.stimuli),
+        missed => {
+            let stimuli = summary.rhythm.stimuli;
+            let us = if stimuli == 1 { "us" } else { "i" };
+            format!(" after {stimuli} stimul{us} ({missed} not captured)")
+        }
     };
     let and_s2 = match summary.s2() {
         Some(Beat { captured: Some(false), .. }) => " and S2 (no capture)",

@@ -73,9 +73,10 @@ impl Summary {
         self.beats.get(self.usual)
     }
 
-    /// Number of beats of the train: stimuli that were captured, or may have been.
+    /// Number of beats: stimuli that were captured, or may have been; all action potentials of a cell that beats by itself.
     pub fn captured(&self) -> usize {
-        self.rhythm.stimuli - self.rhythm.not_captured.len()
+        let of_stimuli = self.rhythm.stimuli - self.rhythm.not_captured.len();
+        self.rhythm.spontaneous.as_ref().map_or(of_stimuli, |own| own.action_potentials)
     }
 
     /// The beat of the extra stimulus, if there is one.

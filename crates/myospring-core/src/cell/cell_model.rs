@@ -130,15 +130,6 @@ pub trait CellModel: Any + Send + Sync {
     fn equations_read(&self) -> Option<&Equations> {
         None
     }
-    /// Whether the myofilaments of `land_2017` make its tension, for models that leave this choice; `None` by default.
-    fn myofilaments_chosen(&self) -> Option<bool> {
-        None
-    }
-    /// The same model, with its published parameters, with or without the myofilaments of `land_2017` driven by its
-    /// calcium; `None` by default, for models that do not leave this choice.
-    fn choose_myofilaments(&self, _wanted: bool) -> Option<Result<Arc<dyn CellModel>, ModelError>> {
-        None
-    }
     /// The greatest value of its prescribed tension, kPa; `None` by default, for models that compute
     /// their tension.
     fn given_peak(&self) -> Option<f64> {

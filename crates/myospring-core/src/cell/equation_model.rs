@@ -223,16 +223,6 @@ impl CellModel for EquationModel {
         Some(&self.shared.equations)
     }
 
-    fn myofilaments_chosen(&self) -> Option<bool> {
-        Some(self.has_myofilaments())
-    }
-
-    fn choose_myofilaments(&self, wanted: bool) -> Option<Result<Arc<dyn CellModel>, ModelError>> {
-        let equations = self.shared.equations.clone();
-        let made = if wanted { Self::with_myofilaments(equations) } else { Self::new(equations) };
-        Some(made.map(|model| Arc::new(model) as Arc<dyn CellModel>))
-    }
-
     fn filaments(&self) -> Option<Filaments<'_>> {
         let equations = self.myofilaments.as_ref()?;
         Some(Filaments { equations, first: self.first_filament(), calcium: None })

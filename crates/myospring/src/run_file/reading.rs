@@ -4,7 +4,9 @@ use super::error::{Origin, RunFileError};
 use super::file::{RunFile, from_toml, to_toml};
 use super::rules;
 use crate::cell_files::Choices;
-use crate::settings::{Failure, Models, Problem, Run, Setting, Value, find, table, tables};
+use crate::settings::{
+    Failure, FromFile, Models, Problem, Run, Setting, Value, find, table, tables,
+};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -135,7 +137,8 @@ impl Reader {
     pub fn overriding(mut self, origin: Origin, key: &str, value: impl Into<Value>) -> Self {
         let value = value.into();
         let model = value.as_text().filter(|_| key == "cell.model");
-        let model = model.and_then(|name| self.models.model(name, &self.variables()).ok());
+        let how = FromFile { variables: self.variables(), myofilaments: None };
+        let model = model.and_then(|name| self.models.model(name, &how).ok());
         for other in rules::put_out_of_force(key, &value, model.as_deref()) {
             self.remove(other);
         }

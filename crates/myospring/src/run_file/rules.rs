@@ -110,13 +110,14 @@ pub(super) fn assumed(file: &RunFile, run: &Run) -> Vec<String> {
         )),
         _ => None,
     };
-    let has_myofilaments = run.cell.myofilaments_chosen() == Some(true);
-    let myofilaments = has_myofilaments.then(|| {
-        let chosen = if file.has("cell.myofilaments") { "" } else { ", since the file has none (--myofilaments)" };
+    let read = run.cell.equations_read().filter(|_| run.cell.filaments().is_some());
+    let myofilaments = read.map(|equations| {
+        let asked = file.has("cell.myofilaments");
+        let chosen = if asked { "" } else { ", since the file has none (--myofilaments)" };
         format!(
-            "the tension is that of the myofilaments of land_2017, driven by the calcium of {}{chosen}; calcium does not depend \
-             on them",
-            run.cell.name()
+            "the tension is that of the myofilaments of land_2017, driven by the calcium of {}{chosen}; calcium does not \
+             depend on them",
+            equations.name
         )
     });
     bed.into_iter().chain(myofilaments).collect()
@@ -172,13 +173,6 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
     {
         let advice = "only the model of a file has it; give model = \"FILE.mmt\" or \"FILE.cellml\", or leave it out";
         return exclude("cell.model", second, advice);
-    }
-    if let Some(asked) = file.get("cell.myofilaments").and_then(Value::as_text)
-        && run.cell.myofilaments_chosen() != Some(asked != "none")
-    {
-        let advice = "the myofilaments of land_2017 need calcium, and none was found in the file; name its variable \
-                      with variables = \"calcium=component.variable\"";
-        return exclude("cell.model", "cell.myofilaments", advice);
     }
     if has_own_tension(&*run.cell)
         && let Some(second) = OF_RELATIVE_TENSION.into_iter().find(|key| file.has(key))

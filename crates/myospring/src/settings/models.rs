@@ -12,12 +12,25 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Endings of the files of cell models.
 pub(super) const MODEL_ENDINGS: &[&str] = &["mmt", "cellml"];
 
+/// How the model of a file is read.
+#[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct FromFile {
+    /// The variables that the user named.
+    pub variables: Choices,
+    /// Whether the myofilaments of `land_2017`, driven by the model's calcium, make its tension. By default they do where
+    /// the file has calcium and no tension.
+    pub myofilaments: Option<bool>,
+}
+
+/// The models of files by their names and how they were read.
+type ModelsRead = BTreeMap<(String, FromFile), Arc<dyn CellModel>>;
+
 /// Own cell models, in addition to those of [`cell::models`] and to files in CellML or Myokit's form. A file is read
 /// once; clones share what was read.
 #[derive(Clone, Default)]
 pub struct Models {
     own: Vec<Arc<dyn CellModel>>,
-    of_files: Arc<Mutex<BTreeMap<(String, Choices), Arc<dyn CellModel>>>>,
+    of_files: Arc<Mutex<ModelsRead>>,
     held: Arc<BTreeMap<String, Vec<u8>>>,
 }
 
@@ -39,13 +52,11 @@ impl Models {
         file.filter(|file| cell_files::is_model_file(file)).unwrap_or_else(|| model.name())
     }
 
-    /// The model of this name, as given or published, or that of the file of this name. Without a
-    /// tension of its own, a file's model takes the myofilaments of `land_2017` where it has
-    /// calcium.
+    /// The model of this name, as given or published, or that of the file of this name.
     ///
     /// # Errors
     /// An unknown name, a file that cannot be read or simulated.
-    pub fn model(&self, name: &str, variables: &Choices) -> Result<Arc<dyn CellModel>, Problem> {
+    pub fn model(&self, name: &str, how: &FromFile) -> Result<Arc<dyn CellModel>, Problem> {
         if let Some(own) = self.own.iter().find(|model| model.name() == name) {
             return Ok(Arc::clone(own));
         }
@@ -53,11 +64,11 @@ impl Models {
             return cell::model(name).map_err(Problem::Model);
         }
         let mut known = self.of_files.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (name.to_owned(), variables.clone());
+        let key = (name.to_owned(), how.clone());
         if let Some(model) = known.get(&key) {
             return Ok(Arc::clone(model));
         }
-        let model = read(name, variables, &self.held)?;
+        let model = read(name, how, &self.held)?;
         known.insert(key, Arc::clone(&model));
         Ok(model)
     }
@@ -66,22 +77,22 @@ impl Models {
 /// Reads the model of a file; `held` has the contents of files that are not on the disk.
 fn read(
     name: &str,
-    choices: &Choices,
+    how: &FromFile,
     held: &BTreeMap<String, Vec<u8>>,
 ) -> Result<Arc<dyn CellModel>, Problem> {
     let failed = |reason: String| Problem::ModelFile { reason };
     let equations = match held.get(name).map(|bytes| std::str::from_utf8(bytes)) {
-        None => cell_files::open(Path::new(name), choices),
+        None => cell_files::open(Path::new(name), &how.variables),
         Some(Err(_)) => return Err(failed(format!("`{name}` is not text (UTF-8)"))),
-        Some(Ok(text)) => cell_files::read(name, text, choices, &|beside| {
+        Some(Ok(text)) => cell_files::read(name, text, &how.variables, &|beside| {
             let path = Path::new(name).with_file_name(beside);
             String::from_utf8(held.get(path.to_str()?)?.clone()).ok()
         }),
     };
     let equations = equations.map_err(|error| failed(error.to_string()))?;
     let roles = &equations.roles;
-    let with_myofilaments = roles.tension.is_none() && roles.calcium.is_some();
-    let model = if with_myofilaments {
+    let needed = roles.tension.is_none() && roles.calcium.is_some();
+    let model = if how.myofilaments.unwrap_or(needed) {
         EquationModel::with_myofilaments(equations)
     } else {
         EquationModel::new(equations)

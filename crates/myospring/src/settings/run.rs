@@ -3,13 +3,12 @@
 use super::calcium::{self, CalciumError, Calibration};
 use super::content::{self, ContentError};
 use super::fibres::{Asked, FibreDirection, Fibres};
-use super::models::Models;
+use super::models::{FromFile, Models};
 use super::places::FromPlaces;
 use super::problem::Problem;
 use super::sarcomeres::{self, SarcomereError};
 use super::shape::{Shape, Shaped, Source};
 use super::steady::{self, CacheError};
-use crate::cell_files::Choices;
 use super::tension::{self, TensionError};
 use crate::cell::given_tension::TensionClock;
 use crate::cell::pacing::Protocol;
@@ -41,8 +40,8 @@ const AFTER_LAST_STIMULUS: f64 = 550.0;
 pub struct Run {
     /// The cell models that `cell.model` may name.
     pub models: Models,
-    /// The variables that the user named in the file of the cell model.
-    pub variables: Choices,
+    /// How the file of the cell model is read.
+    pub from_file: FromFile,
     /// Title, for people; may be empty.
     pub title: String,
     /// The cell model with its parameters.
@@ -164,7 +163,7 @@ impl Run {
         let numerics = Numerics::default();
         Self {
             models: Models::default(),
-            variables: Choices::default(),
+            from_file: FromFile::default(),
             title: String::new(),
             cell: Arc::new(cell),
             calcium: None,
@@ -304,19 +303,12 @@ impl Run {
         Ok(MeshedRun { simulation, report, outline, fibres, picture })
     }
 
-    /// The cell model with its published parameters, and with the myofilaments of this run.
+    /// The cell model with its published parameters.
     ///
     /// # Errors
     /// A model that is not known by its name, or a file that can no longer be read.
     pub fn published_cell(&self) -> Result<Arc<dyn CellModel>, Problem> {
-        let published = self.models.model(Models::name_of(&*self.cell), &self.variables)?;
-        let (wanted, there) = (self.cell.myofilaments_chosen(), published.myofilaments_chosen());
-        match wanted.filter(|_| wanted != there).and_then(|it| published.choose_myofilaments(it)) {
-            Some(chosen) => {
-                chosen.map_err(|error| Problem::ModelFile { reason: error.to_string() })
-            }
-            None => Ok(published),
-        }
+        self.models.model(Models::name_of(&*self.cell), &self.from_file)
     }
 
     /// The cell model with calcium or tension from a table, and a warning if there is one; `read`

@@ -1,6 +1,7 @@
 //! Studies: resumed where they were, failures in their place, the same rows whatever the threads.
 #![allow(clippy::unwrap_used, clippy::float_cmp, reason = "tests")]
 
+mod cell_file;
 mod cells;
 mod own_model;
 mod pictures;

@@ -9,14 +9,13 @@ use super::super::setting::{Named, Setting, ValueKind};
 use super::super::tension::TENSION_ENDINGS;
 use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
+use crate::cell::coelho_2021;
 use crate::cell::given_tension::TensionClock;
 use crate::cell::solve::{CellMethod, SolverSettings};
-use crate::cell::{CellModel, coelho_2021};
 use crate::cell_files::Choices;
 use crate::mechanics::material::myofilament_material;
 use crate::simulation::StretchFelt;
 use crate::units::{self, Dimension};
-use std::sync::Arc;
 
 worded! { StretchFelt {
     StretchFelt::Cell = "cell": "That of the whole cell: its length over its resting length.",
@@ -74,7 +73,7 @@ const PARAMETERS: &str = "cell.parameters";
 const VARIABLES: &str = "cell.variables";
 
 pub(super) const ROWS: &[Setting] = &[
-    // First: a file is read with them.
+    // Before the model: its file is read with them.
     Setting::new(
         VARIABLES,
         "Variables of a model from a file that the file does not tell: ROLE=VARIABLE, separated by commas, with the roles \
@@ -94,6 +93,22 @@ pub(super) const ROWS: &[Setting] = &[
         "Variables that a model from a file does not tell: potential, stimulus, calcium, tension",
     ),
     Setting::new(
+        "cell.myofilaments",
+        "What makes the tension of a model from a file: land_2017, driven by the model's calcium, or none, for the membrane \
+         alone with the tension that the file may have.",
+        ValueKind::Words {
+            words: FilamentChoice::WORDS,
+            get: |run| run.from_file.myofilaments.map(|chosen| FilamentChoice::of(chosen).word()),
+            set: set_myofilaments,
+        },
+    )
+    .otherwise("the file's own tension; land_2017 for a file without one that has calcium")
+    .option_saying(
+        "--myofilaments",
+        "NAME",
+        "Myofilaments of a model from a file: land_2017, driven by its calcium, or none",
+    ),
+    Setting::new(
         "cell.model",
         "Cell model: one of those that `myospring models` lists, or a file of a published model, relative to this file: \
          CellML (.cellml) or Myokit's (.mmt).",
@@ -107,22 +122,6 @@ pub(super) const ROWS: &[Setting] = &[
         "--model",
         "NAME|FILE",
         "Cell model: a name that `myospring models` lists, or a CellML (.cellml) or Myokit (.mmt) file",
-    ),
-    Setting::new(
-        "cell.myofilaments",
-        "What makes the tension of a model from a file: land_2017, driven by the model's calcium, or none, for the membrane \
-         alone with the tension that the file may have.",
-        ValueKind::Words {
-            words: FilamentChoice::WORDS,
-            get: |run| Some(FilamentChoice::of(run.cell.myofilaments_chosen()?).word()),
-            set: set_myofilaments,
-        },
-    )
-    .otherwise("the file's own tension; land_2017 for a file without one that has calcium")
-    .option_saying(
-        "--myofilaments",
-        "NAME",
-        "Myofilaments of a model from a file: land_2017, driven by its calcium, or none",
     ),
     Setting::new(
         "cell.calcium",
@@ -274,39 +273,31 @@ pub(super) const ROWS: &[Setting] = &[
 ];
 
 fn set_model(run: &mut Run, name: &str) -> Result<(), Problem> {
-    let cell = run.models.model(name, &run.variables)?;
-    take_cell(run, cell);
+    run.cell = run.models.model(name, &run.from_file)?;
+    run.protocol.stimulus = run.cell.default_stimulus();
+    run.numerics.cell = run.cell.usual_settings();
+    if run.cell.feels_stretch() && !run.has_relative_tension() {
+        run.material = myofilament_material();
+    }
     Ok(())
 }
 
 fn named_variables(run: &Run) -> Option<Value> {
-    let named = &run.variables;
+    let named = &run.from_file.variables;
     (*named != Choices::default()).then(|| Value::Text(named.to_string()))
 }
 
 fn set_variables(run: &mut Run, value: &Value) -> Result<(), Problem> {
     let wrong = |reason| Problem::Text { key: VARIABLES, reason };
-    run.variables = value.written().parse().map_err(wrong)?;
+    run.from_file.variables = value.written().parse().map_err(wrong)?;
     Ok(())
 }
 
 fn set_myofilaments(run: &mut Run, word: &str) -> Option<()> {
     let mut choice = FilamentChoice::None;
     choose(&mut choice, word)?;
-    // A model that has no such choice is refused by the rules of run files.
-    if let Some(Ok(cell)) = run.cell.choose_myofilaments(choice == FilamentChoice::Land) {
-        take_cell(run, cell);
-    }
+    run.from_file.myofilaments = Some(choice == FilamentChoice::Land);
     Some(())
-}
-
-fn take_cell(run: &mut Run, cell: Arc<dyn CellModel>) {
-    run.cell = cell;
-    run.protocol.stimulus = run.cell.default_stimulus();
-    run.numerics.cell = run.cell.usual_settings();
-    if run.cell.feels_stretch() && !run.has_relative_tension() {
-        run.material = myofilament_material();
-    }
 }
 
 fn set_authors_step(run: &mut Run, authors: bool) {
@@ -349,8 +340,8 @@ fn set_parameters(run: &mut Run, values: &Named) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A parameter's value in its row's unit: a bare number, or text with a unit of the same kind.
-fn in_unit(key: &str, value: &Value, unit: &str) -> Result<f64, Problem> {
+/// A value in the model's own unit: a bare number, or text with a unit of the same kind.
+pub(super) fn in_unit(key: &str, value: &Value, unit: &str) -> Result<f64, Problem> {
     if let Value::Number(number) = value {
         return Ok(*number);
     }

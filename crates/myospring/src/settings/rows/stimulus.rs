@@ -6,8 +6,10 @@ use super::super::run::Run;
 use super::super::setting::{Setting, ValueKind};
 use super::super::value::Value;
 use super::super::words::{Word, Worded, worded};
+use super::cell::in_unit;
 use crate::cell::pacing::Stimulus;
 use crate::units::Dimension;
+use std::borrow::Cow;
 
 /// How a stimulus acts.
 #[derive(Clone, Copy)]
@@ -51,7 +53,8 @@ pub(super) const ROWS: &[Setting] = &[
     .otherwise("the cell model's own"),
     Setting::new(
         AMPLITUDE,
-        "Size: a dimensionless number for a jump of u, a rate (\"0.5 1/ms\") for a pulse.",
+        "Size: a dimensionless number for a jump of u; for a pulse a rate (\"0.5 1/ms\"), or the current of a model that has \
+         one, in its unit (\"53 A/F\"). Positive values depolarise.",
         ValueKind::Written {
             bounds: Some(JUMP),
             numbers: true,
@@ -59,7 +62,10 @@ pub(super) const ROWS: &[Setting] = &[
             get: |run| {
                 moves_something(run).then(|| match run.protocol.stimulus {
                     Stimulus::Jump { amplitude } => JUMP.write(amplitude),
-                    Stimulus::Pulse { amplitude, .. } => PULSE.write(amplitude),
+                    Stimulus::Pulse { amplitude, .. } => match own_unit(run) {
+                        None => PULSE.write(amplitude),
+                        Some(unit) => Value::Text(format!("{amplitude} {unit}")),
+                    },
                 })
             },
             set: set_amplitude,
@@ -178,9 +184,21 @@ fn kind(run: &Run) -> StimulusKind {
 }
 
 fn set_amplitude(run: &mut Run, value: &Value) -> Result<(), Problem> {
+    let unit = own_unit(run);
     match &mut run.protocol.stimulus {
         Stimulus::Jump { amplitude } => *amplitude = JUMP.read(AMPLITUDE, value)?,
-        Stimulus::Pulse { amplitude, .. } => *amplitude = PULSE.read(AMPLITUDE, value)?,
+        Stimulus::Pulse { amplitude, .. } => {
+            *amplitude = match unit {
+                None => PULSE.read(AMPLITUDE, value)?,
+                Some(unit) => in_unit(AMPLITUDE, value, &unit)?,
+            }
+        }
     }
     Ok(())
+}
+
+/// The unit of the stimulus current of a model whose pulses are no rates.
+fn own_unit(run: &Run) -> Option<Cow<'static, str>> {
+    let unit = run.cell.stimulation().current_unit;
+    (Dimension::of_unit(&unit) != Some(Dimension::Rate)).then_some(unit)
 }
