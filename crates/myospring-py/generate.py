@@ -36,8 +36,8 @@ IMAGE = {"label", "rotate_deg", "built_in", "picture"}
 OUTLINE = ("pixel_size_um", "cell", "label", "rotate_deg", "spacing_um", "any_size")
 # Without a mesh nothing else has a place.
 OF_POTENTIAL = (
-    "model", "parameters", "cell_integrator", "cell_step_ms", "cell_tolerance", "authors_step",
-    "stimulus_kind", "stimulus_amplitude", "stimulus_duration_ms", "stimulus_start_ms", "beats",
+    "model", "parameters", "variables", "myofilaments", "cell_integrator", "cell_step_ms", "cell_tolerance",
+    "authors_step", "stimulus_kind", "stimulus_amplitude", "stimulus_duration_ms", "stimulus_start_ms", "beats",
     "cycle_length_ms", "s2_interval_ms", "duration_ms", "output_interval_ms",
 )
 # What a caller looks for first.
@@ -71,7 +71,8 @@ def literal(row: dict[str, Any]) -> str:
 
 
 def annotation(row: dict[str, Any]) -> str:
-    kinds = {"text": "str", "name-or-file": "str | PathLike[str]", "file": "str | PathLike[str]", "words": "str", "flag": "bool", "whole": "int",
+    path = "str | PathLike[str]"
+    kinds = {"text": "str", "name-or-file": path, "file": path, "words": "str", "flag": "bool", "whole": "int",
              "quantity": "float", "named": "Mapping[str, float | str]"}
     written = {"segmentation.seed": "tuple[float, float]", "segmentation.cell": "int | str",
                "segmentation.z": "int | str", "stimulus.amplitude": "float | str"}
@@ -91,7 +92,7 @@ def sentence(text: str) -> str:
         text = text.replace(f"`{row['key'].split('.')[-1]}`", f"`{row['name']}`")
     text = text.replace("`myospring models` lists them", "`myospring.models()` lists them")
     text = text.replace("`myospring models NAME` lists them", "`myospring.parameters(model)` lists them")
-    return text.replace("; relative to this file", "").replace("batch leaves out", "studies leave out")
+    return text.replace("; relative to this file", "").replace(", relative to this file", "").replace("batch leaves out", "studies leave out")
 
 
 def documentation(rows: list[dict[str, Any]], indent: str) -> str:

@@ -2,6 +2,9 @@
 //!
 //! Skipped where the files are absent: `../shared/data/cell-models`, or `MYOSPRING_SHARED_DATA`.
 
+#[path = "../../myospring/tests/common/skipped.rs"]
+mod skipped;
+
 use myospring_cell_files::{Choices, open};
 use myospring_core::analysis::spontaneous::Upstrokes;
 use myospring_core::cell::CellModel;
@@ -9,17 +12,9 @@ use myospring_core::cell::batch::{self, BatchSettings, Paced};
 use myospring_core::cell::equation_model::EquationModel;
 use myospring_core::cell::pacing::Protocol;
 use myospring_core::cell::solve::{CellMethod, SolverSettings, solve};
-use std::path::{Path, PathBuf};
+use skipped::shared_data;
+use std::path::Path;
 use std::sync::Arc;
-
-fn data() -> Option<PathBuf> {
-    let root = std::env::var_os("MYOSPRING_SHARED_DATA").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    );
-    let folder = root.join("cell-models");
-    folder.is_dir().then_some(folder)
-}
 
 #[allow(clippy::unwrap_used)]
 fn model(path: &Path) -> EquationModel {
@@ -28,10 +23,7 @@ fn model(path: &Path) -> EquationModel {
 
 #[test]
 fn cells_of_a_file_go_side_by_side_as_they_do_alone() {
-    let Some(folder) = data() else {
-        println!("skipped: no shared data");
-        return;
-    };
+    let Some(folder) = shared_data("cell-models") else { return };
     let method = SolverSettings { tolerance: 1e-4, ..SolverSettings::of(CellMethod::Stiff) };
     let settings = BatchSettings { method, sample_interval_ms: Some(5.0) };
     for file in ["mmt/paci-2020.mmt", "cellml/shannon_wang_puglisi_weber_bers_2004.cellml"] {
@@ -87,10 +79,7 @@ fn beaten(model: &EquationModel, cycle_ms: Option<f64>) -> Option<(Upstrokes, us
 
 #[test]
 fn stem_cell_and_purkinje_models_beat_by_themselves_and_follow_faster_pacing() {
-    let Some(folder) = data() else {
-        println!("skipped: no shared data");
-        return;
-    };
+    let Some(folder) = shared_data("cell-models") else { return };
     // Cycle lengths: Paci et al. 2020 about 1.2 to 1.8 s, Kernik et al. 2019 about 1 s, Stewart et
     // al. 2009 about 1.2 s, with which the published ones agree.
     for (file, cycle) in [

@@ -2,26 +2,17 @@
 //!
 //! Skipped where the files are absent: `../shared/data/cell-models`, or `MYOSPRING_SHARED_DATA`.
 
+#[path = "../../myospring/tests/common/skipped.rs"]
+mod skipped;
+
 use myospring_cell_files::{Choices, open};
 use myospring_core::cell::equation_model::EquationModel;
 use myospring_core::cell::{CellModel, Input};
-use std::path::PathBuf;
-
-fn data() -> Option<PathBuf> {
-    let root = std::env::var_os("MYOSPRING_SHARED_DATA").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    );
-    let folder = root.join("cell-models");
-    folder.join("rates.json").exists().then_some(folder)
-}
+use skipped::shared_data;
 
 #[test]
 fn rates_of_published_models_are_those_of_myokit() {
-    let Some(folder) = data() else {
-        println!("skipped: no shared data");
-        return;
-    };
+    let Some(folder) = shared_data("cell-models") else { return };
     let text = std::fs::read_to_string(folder.join("rates.json")).unwrap();
     let all: serde_json::Value =
         serde_json::from_str(&text.replace("-Infinity", "null").replace("NaN", "null")).unwrap();
@@ -96,10 +87,7 @@ fn difference(
 /// differences of large currents enlarge.
 #[test]
 fn compiled_models_have_the_rates_of_their_equations_and_an_exact_jacobian() {
-    let Some(folder) = data() else {
-        println!("skipped: no shared data");
-        return;
-    };
+    let Some(folder) = shared_data("cell-models") else { return };
     let text = std::fs::read_to_string(folder.join("rates.json")).unwrap();
     let all: serde_json::Value =
         serde_json::from_str(&text.replace("-Infinity", "null").replace("NaN", "null")).unwrap();

@@ -168,11 +168,11 @@ fn roles(equations: &Equations) -> Vec<Vec<String>> {
     let period = pulse.period_ms.map_or_else(String::new, |period| format!(", each {period} ms"));
     let absent = |advice: &str| ("none".to_owned(), advice.to_owned());
     let calcium = roles.calcium.as_ref().map_or_else(
-        || absent("name it with --calcium, if the model has it"),
+        || absent("name it with --variables calcium=..., if the model has it"),
         |own| (about(own.variable), own.found.to_string()),
     );
     let tension = roles.tension.as_ref().map_or_else(
-        || absent("name it with --tension, if the model has it"),
+        || absent("name it with --variables tension=..., if the model has it"),
         |own| (about(own.variable), own.found.to_string()),
     );
     vec![

@@ -11,6 +11,8 @@ mod fit;
 mod loss;
 mod outputs;
 mod paper;
+#[path = "../../../myospring/tests/common/skipped.rs"]
+mod skipped;
 mod track;
 mod tutorials;
 

@@ -1,5 +1,6 @@
 //! The tutorials do what they say: each command is run as written, and prints the numbers that the page shows below it.
 
+use super::skipped::shared_data;
 use super::{myospring, stderr, stdout};
 use std::path::Path;
 
@@ -37,12 +38,15 @@ fn words<'a>(line: &'a str) -> Vec<&'a str> {
 
 /// Runs the commands of a page in a folder with the project's examples; how many lines with numbers it shows.
 fn follow(page: &str) -> usize {
+    let folder = tempfile::tempdir().unwrap();
+    follow_in(page, folder.path())
+}
+
+fn follow_in(page: &str, folder: &Path) -> usize {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let text = std::fs::read_to_string(root.join("docs/tutorials").join(page)).unwrap();
-    let folder = tempfile::tempdir().unwrap();
     for below in ["tutorial", "studies"] {
-        let [from, to] =
-            [root.as_path(), folder.path()].map(|root| root.join("examples").join(below));
+        let [from, to] = [root.as_path(), folder].map(|root| root.join("examples").join(below));
         std::fs::create_dir_all(&to).unwrap();
         for file in std::fs::read_dir(from).unwrap().map(|entry| entry.unwrap().path()) {
             std::fs::copy(&file, to.join(file.file_name().unwrap())).unwrap();
@@ -53,8 +57,10 @@ fn follow(page: &str) -> usize {
         let (language, lines) = block.split_once('\n').unwrap();
         for line in lines.lines().filter(|line| language == "sh" || !numbers(line).is_empty()) {
             match language {
+                // What is downloaded lies in the folder.
+                "sh" if line.starts_with("curl ") => {}
                 "sh" => {
-                    let output = myospring(folder.path(), &words(line)[1..]);
+                    let output = myospring(folder, &words(line)[1..]);
                     assert!(output.status.success(), "{page}: {line}\n{}", stderr(&output));
                     printed = stdout(&output) + &stderr(&output);
                 }
@@ -77,4 +83,12 @@ fn from_a_picture_to_its_fitted_beat() {
 #[test]
 fn a_population_of_cells() {
     assert!(follow("population.md") > 2);
+}
+
+#[test]
+fn a_published_model_beats_the_cell_of_a_picture() {
+    let Some(model) = shared_data("cell-models/mmt/ohara-2011.mmt") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(model, folder.path().join("ohara-2011.mmt")).unwrap();
+    assert!(follow_in("published-model.md", folder.path()) > 4);
 }

@@ -224,7 +224,8 @@ pub enum SolveError {
     },
     /// The model has no tension, and some was asked for.
     #[error(
-        "cell model `{model}` has no tension, so it moves no cell; choose one with tension, such as tor_ord_land"
+        "cell model `{model}` has no tension, so it moves no cell; choose one with tension, such as tor_ord_land, or for a \
+         model from a file the myofilaments of land_2017, which need the name of its calcium if that was not found"
     )]
     NoTension {
         /// The model.

@@ -48,7 +48,7 @@ const RESTART: f64 = 0.3;
 /// The longest step, ms.
 pub(super) const LONGEST_MS: f64 = 25.0;
 /// If a step below this is rejected, ms, integration fails.
-pub(super) const SHORTEST_MS: f64 = 1e-11;
+pub(super) const SHORTEST_MS: f64 = 1e-12;
 
 /// Floor in the scale of a variable's error.
 pub(super) fn floor(variable: &StateVariable) -> f64 {

@@ -16,10 +16,12 @@ class BeatSettings(TypedDict, total=False):
     """The settings of `simulate`, by name."""
 
     # <typed of beat>
-    model: str
+    model: str | PathLike[str]
     peak_tension_kpa: float
     parameters: Mapping[str, float | str] | None
     title: str
+    variables: str | None
+    myofilaments: Literal["land_2017", "none"] | None
     calcium: str | PathLike[str] | None
     cell_calcium_dissociation_micromolar: float | None
     cell_ratio_min: float | None
@@ -78,6 +80,8 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "peak_tension_kpa": ("cell.peak_tension", 50.0),
     "parameters": ("cell.parameters", None),
     "title": ("title", ""),
+    "variables": ("cell.variables", None),
+    "myofilaments": ("cell.myofilaments", None),
     "calcium": ("cell.calcium", None),
     "cell_calcium_dissociation_micromolar": ("cell.calcium_dissociation", None),
     "cell_ratio_min": ("cell.ratio_min", None),
@@ -136,10 +140,12 @@ def simulate(
     cell: Cell | None = None,
     *,
     # <signature of beat>
-    model: str = "coelho_2021",
+    model: str | PathLike[str] = "coelho_2021",
     peak_tension_kpa: float = 50.0,
     parameters: Mapping[str, float | str] | None = None,
     title: str = "",
+    variables: str | None = None,
+    myofilaments: Literal["land_2017", "none"] | None = None,
     calcium: str | PathLike[str] | None = None,
     cell_calcium_dissociation_micromolar: float | None = None,
     cell_ratio_min: float | None = None,
@@ -199,8 +205,9 @@ def simulate(
     ----------
     cell : Cell or None
         The cell; None takes the built-in one.
-    model : str, default "coelho_2021"
-        Cell model; `myospring.models()` lists them.
+    model : str or PathLike[str], default "coelho_2021"
+        Cell model: one of those that `myospring models` lists, or a file of a published model,
+        relative to this file: CellML (.cellml) or Myokit's (.mmt).
     peak_tension_kpa : float, default 50.0
         Peak of the active tension of one default beat with the model's published parameters;
         changed parameters make the cell stronger or weaker than that. Not for a model whose tension
@@ -210,6 +217,15 @@ def simulate(
         plain number in the parameter's own unit; `myospring.parameters(model)` lists them.
     title : str, default ""
         Title of the run, for people.
+    variables : str or None
+        Variables of a model from a file that the file does not tell: ROLE=VARIABLE, separated by
+        commas, with the roles potential, stimulus, calcium and tension and variables like
+        component.variable; `myospring models FILE` lists them. None: found by annotation, name and
+        unit.
+    myofilaments : {"land_2017", "none"} or None
+        What makes the tension of a model from a file: land_2017, driven by the model's calcium, or
+        none, for the membrane alone with the tension that the file may have. None: the file's own
+        tension; land_2017 for a file without one that has calcium.
     calcium : str or PathLike[str] or None
         Calcium from a table (.csv), relative to this file, for a model with prescribed calcium: a
         column of times from the stimulus and one of calcium, with their units in the header like
@@ -246,8 +262,9 @@ def simulate(
     stimulus_kind : {"jump", "pulse"} or None
         A jump of the potential variable, or a pulse of current. None: the cell model's own.
     stimulus_amplitude : float or str or None
-        Size: a dimensionless number for a jump of u, a rate ("0.5 1/ms") for a pulse. None: the
-        cell model's own.
+        Size: a dimensionless number for a jump of u; for a pulse a rate ("0.5 1/ms"), or the
+        current of a model that has one, in its unit ("53 A/F"). Positive values depolarise. None:
+        the cell model's own.
     stimulus_duration_ms : float or None
         Duration of a pulse; not for a jump. In ms, above 0 ms, at most 1000 ms.
     stimulus_start_ms : float or None
@@ -396,6 +413,8 @@ def simulate(
         ("cell.peak_tension", peak_tension_kpa, 50.0),
         ("cell.parameters", parameters, None),
         ("title", title, ""),
+        ("cell.variables", variables, None),
+        ("cell.myofilaments", myofilaments, None),
         ("cell.calcium", calcium, None),
         ("cell.calcium_dissociation", cell_calcium_dissociation_micromolar, None),
         ("cell.ratio_min", cell_ratio_min, None),
@@ -452,11 +471,13 @@ def simulate(
 
 def action_potential(
     # <signature of model>
-    model: str = "coelho_2021",
-    parameters: Mapping[str, float | str] | None = None,
+    model: str | PathLike[str] = "coelho_2021",
+    variables: str | None = None,
     # </signature>
     *,
     # <signature of potential>
+    myofilaments: Literal["land_2017", "none"] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] | None = None,
     cell_step_ms: float | None = None,
     cell_tolerance: float | None = None,
@@ -477,8 +498,18 @@ def action_potential(
 
     Parameters
     ----------
-    model : str, default "coelho_2021"
-        Cell model; `myospring.models()` lists them.
+    model : str or PathLike[str], default "coelho_2021"
+        Cell model: one of those that `myospring models` lists, or a file of a published model,
+        relative to this file: CellML (.cellml) or Myokit's (.mmt).
+    variables : str or None
+        Variables of a model from a file that the file does not tell: ROLE=VARIABLE, separated by
+        commas, with the roles potential, stimulus, calcium and tension and variables like
+        component.variable; `myospring models FILE` lists them. None: found by annotation, name and
+        unit.
+    myofilaments : {"land_2017", "none"} or None
+        What makes the tension of a model from a file: land_2017, driven by the model's calcium, or
+        none, for the membrane alone with the tension that the file may have. None: the file's own
+        tension; land_2017 for a file without one that has calcium.
     parameters : Mapping[str, float or str] or None
         Parameters of the cell model that differ from the published ones, by name: "1.9 ms", or a
         plain number in the parameter's own unit; `myospring.parameters(model)` lists them.
@@ -496,8 +527,9 @@ def action_potential(
     stimulus_kind : {"jump", "pulse"} or None
         A jump of the potential variable, or a pulse of current. None: the cell model's own.
     stimulus_amplitude : float or str or None
-        Size: a dimensionless number for a jump of u, a rate ("0.5 1/ms") for a pulse. None: the
-        cell model's own.
+        Size: a dimensionless number for a jump of u; for a pulse a rate ("0.5 1/ms"), or the
+        current of a model that has one, in its unit ("53 A/F"). Positive values depolarise. None:
+        the cell model's own.
     stimulus_duration_ms : float or None
         Duration of a pulse; not for a jump. In ms, above 0 ms, at most 1000 ms.
     stimulus_start_ms : float or None
@@ -542,6 +574,8 @@ def action_potential(
     # <given of model_and_potential>
     given = changed(
         ("cell.model", model, "coelho_2021"),
+        ("cell.variables", variables, None),
+        ("cell.myofilaments", myofilaments, None),
         ("cell.parameters", parameters, None),
         ("cell.integrator", cell_integrator, None),
         ("cell.step", cell_step_ms, None),

@@ -3,27 +3,10 @@
 
 mod skipped;
 
-use std::path::{Path, PathBuf};
+pub(crate) use skipped::shared_data;
 
 use myospring::analysis::trace;
 use myospring::mesh::pixel_size::PixelSize;
-
-/// A file of the shared data, or `None` with a word about the test that is skipped.
-///
-/// They lie in `shared/data` beside the project, or in the folder that `MYOSPRING_SHARED_DATA` names.
-#[track_caller]
-pub(crate) fn shared_data(path: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("MYOSPRING_SHARED_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    );
-    let file = folder.join(path);
-    if file.exists() {
-        return Some(file);
-    }
-    skipped::skipped(path);
-    None
-}
 
 /// Pixels of a side in um.
 pub(crate) fn pixels_of(um: f64) -> PixelSize {
@@ -32,7 +15,7 @@ pub(crate) fn pixels_of(um: f64) -> PixelSize {
 
 /// The largest cell of a mask, whose pixels are 0.27 um wide.
 #[cfg(feature = "microscopy")]
-pub(crate) fn mask(file: PathBuf) -> myospring::mesh::mask::Mask {
+pub(crate) fn mask(file: std::path::PathBuf) -> myospring::mesh::mask::Mask {
     use myospring::microscopy::cells::{PictureCells, PictureOptions};
     use myospring::microscopy::segment::Choice;
     let bytes = std::fs::read(file).expect("the file is there");

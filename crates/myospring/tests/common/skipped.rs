@@ -1,9 +1,12 @@
 //! A test that lacks its data says so: loudly on the terminal, and to `cargo xtask test`, which names and
 //! counts such tests at its end.
 
+#![allow(clippy::expect_used, reason = "tests may fail")]
+
 use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::panic::Location;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 /// What was said, so that nothing is said twice.
@@ -32,4 +35,21 @@ pub(crate) fn skipped(missing: &str) {
         file.and_then(|mut file| file.write_all(note.as_bytes()))
             .expect("the file that MYOSPRING_SKIPPED_TESTS names takes a line");
     }
+}
+
+/// A file of the shared data, or `None` with a word about the test that is skipped.
+///
+/// They lie in `shared/data` beside the project, or in the folder that `MYOSPRING_SHARED_DATA` names.
+#[track_caller]
+pub(crate) fn shared_data(path: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("MYOSPRING_SHARED_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
+        PathBuf::from,
+    );
+    let file = folder.join(path);
+    if file.exists() {
+        return Some(file);
+    }
+    skipped(path);
+    None
 }

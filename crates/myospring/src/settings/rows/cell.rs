@@ -110,8 +110,8 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::new(
         "cell.model",
-        "Cell model: one of those that `myospring models` lists, or a file of a published model, relative to this file: \
-         CellML (.cellml) or Myokit's (.mmt).",
+        "Cell model; `myospring models` lists them. Or the file of a published model, relative to this file: CellML (.cellml) \
+         or Myokit's (.mmt).",
         ValueKind::NameOrFile {
             endings: MODEL_ENDINGS,
             get: |run| Some(Models::name_of(&*run.cell).to_owned()),
