@@ -23,11 +23,16 @@ pub(crate) fn unknown(py: Python<'_>, message: String) -> PyErr {
 
 /// A problem of a setting: names that do not exist are a `KeyError`, all else is a `ValueError`.
 pub(crate) fn of_settings(py: Python<'_>, error: &RunFileError) -> PyErr {
-    let mut message = words::in_python(&error.to_string());
-    if let Some(advice) = advice(&error.problem) {
+    of_problem(py, &error.to_string(), &error.problem)
+}
+
+/// The same for a problem that has no place.
+pub(crate) fn of_problem(py: Python<'_>, message: &str, problem: &Problem) -> PyErr {
+    let mut message = words::in_python(message);
+    if let Some(advice) = advice(problem) {
         message = format!("{message}; {advice}");
     }
-    let is_name = match &error.problem {
+    let is_name = match problem {
         Problem::UnknownKey { .. } | Problem::Model(_) => true,
         Problem::UnknownWord { key, .. } => key == "shape.built_in",
         Problem::Parameter(cause) => {

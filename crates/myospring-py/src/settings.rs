@@ -6,7 +6,7 @@ use myospring::cell;
 use myospring::run_file::RunFile;
 use myospring::settings::{FromFile, Models, Run, Setting, Value, ValueKind, table, tables};
 use myospring::units;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString, PyTuple};
 use std::collections::BTreeMap;
@@ -256,10 +256,17 @@ type Row = (String, f64, String, f64, f64, String, String);
 
 /// The parameters of a cell model: name, value, unit, lowest and highest value, meaning, source.
 #[pyfunction]
-pub(crate) fn parameters(py: Python<'_>, model: &str) -> PyResult<Vec<Row>> {
+#[pyo3(signature = (model, variables=None))]
+pub(crate) fn parameters(
+    py: Python<'_>,
+    model: &str,
+    variables: Option<&str>,
+) -> PyResult<Vec<Row>> {
+    let variables = variables.unwrap_or_default().parse().map_err(PyValueError::new_err::<String>)?;
+    let how = FromFile { variables, myofilaments: None };
     let model = Models::default()
-        .model(model, &FromFile::default())
-        .map_err(|error| errors::unknown(py, error.to_string()))?;
+        .model(model, &how)
+        .map_err(|problem| errors::of_problem(py, &problem.to_string(), &problem))?;
     let rows = model.parameters().rows().iter().map(|row| {
         (
             row.name.to_string(),

@@ -206,8 +206,8 @@ def simulate(
     cell : Cell or None
         The cell; None takes the built-in one.
     model : str or PathLike[str], default "coelho_2021"
-        Cell model: one of those that `myospring models` lists, or a file of a published model,
-        relative to this file: CellML (.cellml) or Myokit's (.mmt).
+        Cell model; `myospring.models()` lists them. Or the file of a published model: CellML
+        (.cellml) or Myokit's (.mmt).
     peak_tension_kpa : float, default 50.0
         Peak of the active tension of one default beat with the model's published parameters;
         changed parameters make the cell stronger or weaker than that. Not for a model whose tension
@@ -227,10 +227,10 @@ def simulate(
         none, for the membrane alone with the tension that the file may have. None: the file's own
         tension; land_2017 for a file without one that has calcium.
     calcium : str or PathLike[str] or None
-        Calcium from a table (.csv), relative to this file, for a model with prescribed calcium: a
-        column of times from the stimulus and one of calcium, with their units in the header like
-        time (ms),calcium (uM), or a ratio with its calibration. The course restarts at each
-        stimulus. None: the cell model's own; for land_2017, two exponentials.
+        Calcium from a table (.csv), for a model with prescribed calcium: a column of times from the
+        stimulus and one of calcium, with their units in the header like time (ms),calcium (uM), or
+        a ratio with its calibration. The course restarts at each stimulus. None: the cell model's
+        own; for land_2017, two exponentials.
     cell_calcium_dissociation_micromolar : float or None
         For a ratio in that table: dissociation constant of the dye times the ratio of its
         fluorescence without to that with calcium at the second wavelength, K in Ca = K (R - R_min)
@@ -240,10 +240,9 @@ def simulate(
     cell_ratio_max : float or None
         The ratio with the dye saturated with calcium, R_max. Above 0, at most 1000000.
     tension : str or PathLike[str] or None
-        Active tension from a table (.csv), relative to this file, for model = "given_tension": a
-        column of times and one of tension, with their units in the header like time (ms),tension
-        (kPa), or tension over Young's modulus, tension_over_stiffness. Between rows it is
-        interpolated without overshoot.
+        Active tension from a table (.csv), for model = "given_tension": a column of times and one
+        of tension, with their units in the header like time (ms),tension (kPa), or tension over
+        Young's modulus, tension_over_stiffness. Between rows it is interpolated without overshoot.
     tension_clock : {"stimulus", "run"} or None
         From when the times of that table count.
     cell_stretch_felt : {"cell", "triangle"}, default "cell"
@@ -334,9 +333,9 @@ def simulate(
         Length of the sarcomeres at rest in each place, for a model that depends on stretch: its
         stretch there is this length divided by `sarcomere_reference_um`. "uniform": that length
         everywhere; "picture": as in the picture, or as at the nearest place where it shows none; or
-        a table (.csv), relative to this file, with the header sarcomere_um, a row for each
-        triangle, or x_um,y_um,sarcomere_um, such as fibres.csv. With a model for each triangle
-        (stretch_felt = "triangle"), each has its own; a single model has their mean.
+        a table (.csv), with the header sarcomere_um, a row for each triangle, or
+        x_um,y_um,sarcomere_um, such as fibres.csv. With a model for each triangle (stretch_felt =
+        "triangle"), each has its own; a single model has their mean.
     sarcomere_reference_um : float or None
         Length of the sarcomere at which the cell model's stretch is 1. It has not been measured for
         any model: isolated rat cells rest at 1.71 um, the same cells within the heart at 1.95 um
@@ -472,12 +471,12 @@ def simulate(
 def action_potential(
     # <signature of model>
     model: str | PathLike[str] = "coelho_2021",
-    variables: str | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     # </signature>
     *,
     # <signature of potential>
+    variables: str | None = None,
     myofilaments: Literal["land_2017", "none"] | None = None,
-    parameters: Mapping[str, float | str] | None = None,
     cell_integrator: Literal["runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"] | None = None,
     cell_step_ms: float | None = None,
     cell_tolerance: float | None = None,
@@ -499,8 +498,11 @@ def action_potential(
     Parameters
     ----------
     model : str or PathLike[str], default "coelho_2021"
-        Cell model: one of those that `myospring models` lists, or a file of a published model,
-        relative to this file: CellML (.cellml) or Myokit's (.mmt).
+        Cell model; `myospring.models()` lists them. Or the file of a published model: CellML
+        (.cellml) or Myokit's (.mmt).
+    parameters : Mapping[str, float or str] or None
+        Parameters of the cell model that differ from the published ones, by name: "1.9 ms", or a
+        plain number in the parameter's own unit; `myospring.parameters(model)` lists them.
     variables : str or None
         Variables of a model from a file that the file does not tell: ROLE=VARIABLE, separated by
         commas, with the roles potential, stimulus, calcium and tension and variables like
@@ -510,9 +512,6 @@ def action_potential(
         What makes the tension of a model from a file: land_2017, driven by the model's calcium, or
         none, for the membrane alone with the tension that the file may have. None: the file's own
         tension; land_2017 for a file without one that has calcium.
-    parameters : Mapping[str, float or str] or None
-        Parameters of the cell model that differ from the published ones, by name: "1.9 ms", or a
-        plain number in the parameter's own unit; `myospring.parameters(model)` lists them.
     cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
         Integration method of the cell model, with fixed or adaptive steps.
     cell_step_ms : float or None
@@ -574,9 +573,9 @@ def action_potential(
     # <given of model_and_potential>
     given = changed(
         ("cell.model", model, "coelho_2021"),
+        ("cell.parameters", parameters, None),
         ("cell.variables", variables, None),
         ("cell.myofilaments", myofilaments, None),
-        ("cell.parameters", parameters, None),
         ("cell.integrator", cell_integrator, None),
         ("cell.step", cell_step_ms, None),
         ("cell.tolerance", cell_tolerance, None),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from os import PathLike, fspath
 from typing import Mapping, NamedTuple
 
 from myospring import _native
@@ -57,13 +58,15 @@ def models() -> list[str]:
     return _native.models()
 
 
-def parameters(model: str = "coelho_2021") -> dict[str, Parameter]:
+def parameters(model: str | PathLike[str] = "coelho_2021", variables: str | None = None) -> dict[str, Parameter]:
     """Returns the parameters of a cell model, with their published values.
 
     Parameters
     ----------
-    model : str
-        One of `models()`.
+    model : str or PathLike[str]
+        One of `models()`, or the file of a published model.
+    variables : str or None
+        Variables that the file does not tell, as in `simulate`.
 
     Returns
     -------
@@ -73,8 +76,10 @@ def parameters(model: str = "coelho_2021") -> dict[str, Parameter]:
     ------
     UnknownNameError
         No model has that name.
+    ValueError
+        The file cannot be read.
     """
-    return {row[0]: Parameter(*row[1:]) for row in _native.parameters(model)}
+    return {row[0]: Parameter(*row[1:]) for row in _native.parameters(fspath(model), variables)}
 
 
 METRICS: Mapping[str, Metric] = {

@@ -1,7 +1,7 @@
 //! A test that lacks its data says so: loudly on the terminal, and to `cargo xtask test`, which names and
 //! counts such tests at its end.
 
-#![allow(clippy::expect_used, reason = "tests may fail")]
+#![allow(dead_code, clippy::expect_used, reason = "no test uses all of it, and tests may fail")]
 
 use std::collections::BTreeSet;
 use std::io::Write as _;
