@@ -262,7 +262,8 @@ pub(crate) fn parameters(
     model: &str,
     variables: Option<&str>,
 ) -> PyResult<Vec<Row>> {
-    let variables = variables.unwrap_or_default().parse().map_err(PyValueError::new_err::<String>)?;
+    let variables =
+        variables.unwrap_or_default().parse().map_err(PyValueError::new_err::<String>)?;
     let how = FromFile { variables, myofilaments: None };
     let model = Models::default()
         .model(model, &how)
