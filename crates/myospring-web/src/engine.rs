@@ -1,6 +1,6 @@
 //! The engine: holds files and runs, and answers.
 
-use crate::about::About;
+use crate::about::{About, Model};
 use crate::cells::ShownCells;
 use crate::progress::Told;
 use crate::request::{File, Filmed, Fit, Reading, Request, Setup};
@@ -23,7 +23,7 @@ use myospring::microscopy::outlines::OutlineFormat;
 use myospring::microscopy::picture::Selection;
 use myospring::output::{csv, page};
 use myospring::run_file::RunFile;
-use myospring::settings::{self, Run, Value};
+use myospring::settings::{self, FromFile, Models, Run, Value};
 use serde::Serialize;
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
@@ -64,6 +64,8 @@ enum Answer {
         page: Option<Box<RawValue>>,
         files: Vec<Listed>,
     },
+    /// A cell model.
+    Model(Model),
     /// What a file holds.
     Kind(Held),
     /// A picture with the cells that it shows.
@@ -128,6 +130,11 @@ impl Engine {
             }
             Request::Kind { name } => return self.kind(&name).map(Answer::Kind),
             Request::Settings { name } => return self.settings_of(&name),
+            Request::Model { name } => {
+                let models = Models::default().holding(self.files.held());
+                let model = models.model(&name, &FromFile::default());
+                return Ok(Answer::Model(Model::of(&*model.map_err(ExperimentError::new)?)));
+            }
             Request::Analyse(reading) => return self.analyse(&reading),
             Request::Track(film) => return self.track(film),
             Request::Fit(fit) => return self.fit(fit),

@@ -29,6 +29,11 @@ pub(crate) enum Request {
         /// Its name.
         name: String,
     },
+    /// The cell model of a file that is held.
+    Model {
+        /// Its name.
+        name: String,
+    },
     /// Finds the beats of curves.
     Analyse(Reading),
     /// Follows the cell of a film.

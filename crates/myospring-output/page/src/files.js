@@ -14,9 +14,10 @@ import { drawn, SAMPLES, PIXEL_UM } from "./samples.js";
 const LARGEST = 500e6;
 
 const PICTURES = /\.(png|tiff?|jpe?g)$/i;
+const MODELS = /\.(mmt|cellml)$/i;
 const OUTLINES = /\.(geojson|json|roi|zip)$/i;
 
-/** @typedef {"picture" | "outline" | "film" | "curves" | "run" | "report"} Kind */
+/** @typedef {"picture" | "outline" | "film" | "curves" | "run" | "model" | "report"} Kind */
 
 /**
  * What the page does besides.
@@ -81,8 +82,8 @@ export class Files {
       const message = `${name} has ${(size / 1e6).toFixed(0)} MB; this page reads files of at most ${LARGEST / 1e6} MB.`;
       return this.#doing.fail({ message, advice: "The program reads larger ones." });
     }
-    if (!/\.(toml|html?)$/i.test(name) && ![PICTURES, OUTLINES, FILMS, TABLES].some((kind) => kind.test(name))) {
-      const advice = "Give a picture (.png, .tif), an outline (.geojson, .roi), a curve (.csv, .xlsx), a film (.avi, .tif, .y4m), a run file (.toml) or a report (.html).";
+    if (!/\.(toml|html?)$/i.test(name) && ![PICTURES, OUTLINES, FILMS, TABLES, MODELS].some((kind) => kind.test(name))) {
+      const advice = "Give a picture (.png, .tif), an outline (.geojson, .roi), a curve (.csv, .xlsx), a film (.avi, .tif, .y4m), a cell model (.mmt, .cellml), a run file (.toml) or a report (.html).";
       return this.#doing.fail({ message: `${name} is of a kind that this page does not read.`, advice });
     }
     const held = await this.#engine.ask({ ask: "hold", name }, new Uint8Array(await file.arrayBuffer()));
@@ -108,6 +109,7 @@ export class Files {
   async #kind(name) {
     if (/\.toml$/i.test(name)) return "run";
     if (/\.html?$/i.test(name)) return "report";
+    if (MODELS.test(name)) return "model";
     if (FILMS.test(name)) return "film";
     if (OUTLINES.test(name)) return "outline";
     if (/\.(png|jpe?g)$/i.test(name)) return "picture";
@@ -123,9 +125,12 @@ export class Files {
       this.#measured.take(name, kind === "film");
       return void this.#measured.dispatchEvent(new Event("read"));
     }
+    if (kind === "model") return void ((await this.#learn(name)) && this.#form.takeModel(name));
     if (kind === "run") {
       const answer = await this.#engine.ask({ ask: "settings", name });
-      if (!this.#doing.failed(answer) && answer.settings !== undefined) this.#form.takeSettings(answer.settings, name);
+      if (this.#doing.failed(answer) || answer.settings === undefined) return;
+      const model = String(answer.settings["cell.model"] ?? "");
+      if (!MODELS.test(model) || (await this.#learn(model))) this.#form.takeSettings(answer.settings, name);
       return;
     }
     this.#leave();
@@ -135,6 +140,14 @@ export class Files {
     this.#picture = { "shape.picture": name };
     this.#pixelPlace.hidden = false;
     await this.#look();
+  }
+
+  /** Offers the cell model of a file that is held. @param {string} name @returns {Promise<boolean>} Whether it can be read. */
+  async #learn(name) {
+    const answer = await this.#engine.ask({ ask: "model", name });
+    if (this.#doing.failed(answer) || answer.model === undefined) return false;
+    this.#form.offerModel(answer.model);
+    return true;
   }
 
   /** The cell is no picture any more. */

@@ -4,7 +4,7 @@ import { find, make } from "./elements.js";
 import { unitText } from "./numbers.js";
 import { term } from "./tables.js";
 
-/** @import { About, SettingSchema, Setup, Value } from "./requests.js" */
+/** @import { About, Model, SettingSchema, Setup, Value } from "./requests.js" */
 /** @import { Kept } from "./link.js" */
 
 /**
@@ -154,6 +154,20 @@ export class Form extends EventTarget {
     this.tell();
   }
 
+  /** Offers a cell model, instead of one of the same name. @param {Model} model */
+  offerModel(model) {
+    this.#about.models = [...this.#about.models.filter(({ name }) => name !== model.name), model];
+    this.#build();
+  }
+
+  /** Takes the cell model of this name. @param {string} name */
+  takeModel(name) {
+    this.#set("cell.model", name);
+    this.#afterModel();
+    this.#build();
+    this.tell();
+  }
+
   /** Takes all settings of a run file. @param {Record<string, Value>} settings @param {string} title What the cell is called. */
   takeSettings(settings, title) {
     const { "cell.parameters": parameters, ...others } = settings;
@@ -229,13 +243,17 @@ export class Form extends EventTarget {
     select.value = String(this.value("cell.model"));
     select.addEventListener("change", () => {
       this.#set("cell.model", select.value);
-      // Another model has other parameters, and its own tension.
-      this.#numbers.clear();
-      if (!this.model?.is_scaled) this.#changed.delete("cell.peak_tension");
+      this.#afterModel();
       this.#showParameters();
       this.tell();
     });
     return select;
+  }
+
+  /** Another model has other parameters, and its own tension. */
+  #afterModel() {
+    this.#numbers.clear();
+    if (!this.model?.is_scaled) this.#changed.delete("cell.peak_tension");
   }
 
   #showParameters() {

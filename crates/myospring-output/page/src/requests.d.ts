@@ -15,6 +15,7 @@ export type Request =
   | { ask: "keep" }
   | { ask: "kind"; name: string }
   | { ask: "settings"; name: string }
+  | { ask: "model"; name: string }
   | { ask: "open"; name: string }
   | { ask: "cells"; settings: Record<string, Value> }
   | { ask: "outline"; settings: Record<string, Value>; name: string }
@@ -57,6 +58,7 @@ export interface Answer {
   kind?: "curves" | "outline" | "film";
   picture?: ShownCells;
   settings?: Record<string, Value>;
+  model?: Model;
   error?: Failure;
 }
 

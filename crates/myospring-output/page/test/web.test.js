@@ -152,6 +152,30 @@ test("a value out of bounds and a file that cannot be read are explained, and th
   });
 });
 
+test("the file of a published cell model beats the cell, with its constants as sliders", async () => {
+  const source = join(import.meta.dirname, "../../../myospring/tests/study/aliev_panfilov.mmt");
+  const file = join(folder, "aliev.mmt");
+  // With a name by which its calcium is found.
+  await writeFile(file, (await readFile(source, "utf8")).replaceAll("level", "Cai"));
+  await opened({}, async (page) => {
+    const before = await runsOf(page);
+    await page.locator("#file").setInputFiles(file);
+    await ran(page, before + 1);
+    const chosen = page.getByRole("combobox", { name: "cell model", exact: true });
+    assert.equal(await chosen.inputValue(), "aliev.mmt");
+    await page.getByText(/^Its \d+ parameters$/).click();
+    const field = page.getByRole("spinbutton", { name: /^membrane_k/ });
+    await field.fill("8.5");
+    await field.press("Enter");
+    await ran(page, before + 2);
+    assert.equal(await page.locator("#failure").isVisible(), false);
+    await writeFile(file, "[[model]]\n");
+    await page.locator("#file").setInputFiles(file);
+    await page.locator("#failure").waitFor();
+    assert.match((await page.locator("#failure").textContent()) ?? "", /aliev\.mmt/);
+  });
+});
+
 test("a long run can be stopped", async () => {
   await opened({}, async (page) => {
     const field = page.getByRole("spinbutton", { name: /^stimuli/ });
