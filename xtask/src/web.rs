@@ -47,14 +47,16 @@ fn is_there() -> bool {
 
 /// Builds the engine by a profile, and by the program `around` the page around it; gives where they are.
 pub(crate) fn build(profile: &str, mut around: Command) -> Result<(PathBuf, PathBuf), String> {
-    let mut command = cargo(["build", "-p", "myospring-web", "--lib", "--locked"]);
+    let mut command =
+        cargo(["build", "-p", "myospring-web", "-p", "myospring-unpack", "--lib", "--locked"]);
     command.args(["--profile", profile, "--target", TARGET]);
     step("the engine", command)?;
-    let engine = target().join(TARGET).join(profile).join("myospring_web.wasm");
+    let made = |name: &str| target().join(TARGET).join(profile).join(name);
+    let engine = made("myospring_web.wasm");
     let folder = target().join("web");
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let page = folder.join("myospring.html");
-    around.arg(&engine).arg(&page);
+    around.arg(&engine).arg(made("myospring_unpack.wasm")).arg(&page);
     step("the page", around)?;
     Ok((engine, page))
 }

@@ -46,11 +46,17 @@ export class Engine {
 
   /** The engine that is in the page. */
   static async inPage() {
-    const place = find("engine", HTMLScriptElement);
-    const packed = bytesOf(place.textContent.trim());
-    place.remove();
-    const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Engine(await WebAssembly.compile(await new Response(unpacked).arrayBuffer()));
+    const [unpacker, packed] = ["unpacker", "engine"].map((id) => {
+      const place = find(id, HTMLScriptElement);
+      const bytes = bytesOf(place.textContent.trim());
+      place.remove();
+      return bytes;
+    });
+    const { memory, input, unpack, unpacked_length: length } = /** @type {any} */ ((await WebAssembly.instantiate(unpacker, {})).instance.exports);
+    const room = input(packed.length);
+    new Uint8Array(memory.buffer, room, packed.length).set(packed);
+    const at = unpack();
+    return new Engine(await WebAssembly.compile(new Uint8Array(memory.buffer, at, length())));
   }
 
   /**

@@ -3,11 +3,8 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::sync::LazyLock;
 
 /// A module of the page: its name and text.
@@ -65,20 +62,16 @@ const CURVES: [&str; 2] = [
 /// With places for title and data.
 pub(super) static TEMPLATE: LazyLock<String> = LazyLock::new(|| assembled(&REPORT, "", "", ""));
 
-/// The page that simulates, around its engine, a WebAssembly module.
-///
-/// # Errors
-/// An engine that cannot be packed.
-pub fn around_engine(engine: &[u8]) -> std::io::Result<String> {
-    let mut packed = GzEncoder::new(Vec::new(), Compression::best());
-    packed.write_all(engine)?;
+/// The page that simulates, around its engine, a WebAssembly module packed as `.lzma`, and the one that unpacks it.
+pub fn around_engine(packed: &[u8], unpacker: &[u8]) -> String {
     let aside = include_str!("../../page/src/web.html")
         .replacen("{{worker}}", include_str!("../../page/src/worker.js"), 1)
-        .replacen("{{engine}}", &STANDARD.encode(packed.finish()?), 1);
+        .replacen("{{unpacker}}", &STANDARD.encode(unpacker), 1)
+        .replacen("{{engine}}", &STANDARD.encode(packed), 1);
     let style = include_str!("../../page/src/web.css");
     let page = assembled(&WEB, style, &aside, "'wasm-unsafe-eval'; worker-src blob:");
     // Its engine gives the data.
-    Ok(page.replace("{{title}}", "Myospring").replacen("{{data}}", "null", 1))
+    page.replace("{{title}}", "Myospring").replacen("{{data}}", "null", 1)
 }
 
 /// A page with its own modules, its style in addition to that of reports, what comes before its results, and sources of
