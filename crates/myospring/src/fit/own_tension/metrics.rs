@@ -9,6 +9,7 @@ use crate::analysis::{Spread, value};
 use crate::fit::likelihood::rise_at_ends;
 use crate::fit::observed::Stimuli;
 use crate::study::sampling::{Distribution, ParameterSample, Sampler, sample};
+use rayon::prelude::*;
 
 /// The metrics that are stated, where a tension has them.
 const STATED: [&str; 8] = [
@@ -22,8 +23,9 @@ const STATED: [&str; 8] = [
     "maximum_tension_fall_rate",
 ];
 
-/// Copies with other noise from which the noise of a metric is taken.
-const COPIES: usize = 40;
+/// Beats of copies with other noise from which the noise of a metric is taken, and the fewest copies.
+const BEATS_OF_COPIES: usize = 40;
+const COPIES: usize = 4;
 const SEED: u64 = 1;
 /// Fewest beats whose scatter is an interval.
 const BEATS: usize = 3;
@@ -74,7 +76,8 @@ impl OwnTension {
             .collect();
     }
 
-    /// Standard deviation of the mean of a metric, by copies of the smooth tension with other noise.
+    /// Standard deviation of the mean of a metric, by copies of the smooth tension with other noise. The noise of all beats is
+    /// taken as one, so that many beats need few copies.
     fn by_noise(
         &self,
         found: &Analysis,
@@ -82,24 +85,35 @@ impl OwnTension {
     ) -> impl Fn(&str) -> Option<f64> + use<> {
         let normal = Distribution::Normal { mean: 0.0, standard_deviation: 1.0 };
         let frames = vec![normal; self.times_ms.len()];
-        let draws = sample(&Sampler::LatinHypercube { size: COPIES }, &frames, SEED);
-        let mut copies: Vec<Analysis> = Vec::new();
-        for draw in draws.iter().flat_map(ParameterSample::iter) {
+        let beats = found.beats.len();
+        let size = BEATS_OF_COPIES.div_ceil(beats.max(1)).max(COPIES);
+        let draws = sample(&Sampler::LatinHypercube { size }, &frames, SEED);
+        let draws: Vec<Vec<f64>> = draws.iter().flat_map(ParameterSample::iter).collect();
+        let copy = |draw: &Vec<f64>| {
             let noise = draw.iter().zip(&self.standard_deviation_kpa);
             let copy = found.read.iter().zip(noise).map(|(at, (draw, sigma))| at + draw * sigma);
             let copy: Vec<f64> = copy.collect();
-            copies.extend(analysis(&self.times_ms, &copy, Kind::Tension, stimuli));
-        }
+            analysis(&self.times_ms, &copy, Kind::Tension, stimuli).ok()
+        };
+        let copies: Vec<Analysis> = draws.par_iter().filter_map(copy).collect();
         move |name| {
-            let means: Vec<f64> = copies.iter().filter_map(|copy| copy.mean(name)).collect();
-            let count = means.len() as f64;
-            // Fewer say nothing of it.
-            if 2 * means.len() < COPIES {
-                return None;
+            // Of copies with other beats none is known to be the same.
+            let same: Vec<&Analysis> =
+                copies.iter().filter(|copy| copy.beats.len() == beats).collect();
+            let (mut squares, mut free, mut counted) = (0.0, 0.0, 0.0);
+            for beat in 0..beats {
+                let of = |copy: &&Analysis| value(&copy.beats[beat].metrics, name);
+                let values: Vec<f64> = same.iter().filter_map(of).collect();
+                let count = values.len() as f64;
+                // Fewer say nothing of it.
+                if 2 * values.len() < size || values.len() < 2 {
+                    continue;
+                }
+                let mean = values.iter().sum::<f64>() / count;
+                squares += values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+                (free, counted) = (free + count - 1.0, counted + 1.0);
             }
-            let mean = means.iter().sum::<f64>() / count;
-            let squares: f64 = means.iter().map(|value| (value - mean).powi(2)).sum();
-            Some((squares / (count - 1.0)).sqrt())
+            (counted > 0.0).then(|| (squares / free / counted).sqrt())
         }
     }
 
