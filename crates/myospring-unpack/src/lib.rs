@@ -1,6 +1,6 @@
 //! Unpacks LZMA in the browser, which has only gzip: the engine of the page is a quarter smaller so.
 //!
-//! The page writes packed bytes into [`input`], calls [`unpack`], and reads [`unpacked_length`] bytes from where that points.
+//! The page writes packed bytes into `input`, calls `unpack`, and reads `unpacked_length` bytes from where that points.
 #![allow(
     unsafe_code,
     reason = "the page finds the functions by their names; no pointer is followed here"
