@@ -10,7 +10,7 @@ use myospring_core::analysis::summary::Summary;
 use myospring_core::analysis::{Metric, Missing};
 use myospring_core::mesh::Mesh;
 use myospring_core::mesh::outline::Outline;
-use myospring_core::recording::{Recording, STEEPEST_RISE, Sample};
+use myospring_core::recording::{CALCIUM, Recording, STEEPEST_RISE, Sample};
 
 /// A run on a page.
 #[derive(Debug, Clone)]
@@ -218,7 +218,8 @@ pub(super) fn curves(recording: &Recording) -> Vec<Curve> {
     ]);
     // A signal that only grows from beat to beat is not drawn.
     let signals = recording.signals.iter().filter(|signal| !signal.is(STEEPEST_RISE));
-    all.extend(signals.map(|signal| Curve {
+    let (calcium, others): (Vec<_>, Vec<_>) = signals.partition(|signal| signal.is(CALCIUM));
+    all.extend(calcium.into_iter().chain(others).map(|signal| Curve {
         name: signal.name.clone(),
         unit: signal.unit.clone(),
         tone: Tone::Signal,

@@ -75,6 +75,7 @@ impl Fit {
 struct Common {
     /// Times of each curve, ms.
     times: Vec<Vec<f64>>,
+    /// A part of the range of the measured curve, which a fit may have in another unit.
     noise: Vec<f64>,
 }
 
@@ -94,16 +95,19 @@ impl Common {
             }
             times
         };
+        let times: Vec<Vec<f64>> = (0..curves).map(shared).collect();
         let noise = |number: usize| {
-            fits.iter().map(|fit| fit.curves[number].noise).fold(f64::INFINITY, f64::min)
+            let curves = fits.iter().map(|fit| &fit.curves[number]);
+            let part = curves.map(|curve| curve.noise / range(curve, &times[number]));
+            part.fold(f64::INFINITY, f64::min)
         };
-        Self { times: (0..curves).map(shared).collect(), noise: (0..curves).map(noise).collect() }
+        Self { noise: (0..curves).map(noise).collect(), times }
     }
 
     fn left(&self, fit: &Fit) -> Left {
         let mut chi_squared = 0.0;
         for ((curve, times), noise) in fit.curves.iter().zip(&self.times).zip(&self.noise) {
-            let mut shared = times.iter().peekable();
+            let (mut shared, noise) = (times.iter().peekable(), noise * range(curve, times));
             for (at, time) in curve.times_ms.iter().enumerate() {
                 if shared.next_if_eq(&time).is_some() {
                     chi_squared += ((curve.measured[at] - curve.fitted[at]) / noise).powi(2);
@@ -124,4 +128,15 @@ impl Common {
             as_good: false,
         }
     }
+}
+
+/// From the least to the greatest measured value at some of its times.
+fn range(curve: &FittedCurve, times: &[f64]) -> f64 {
+    let mut shared = times.iter().peekable();
+    let frames = curve.times_ms.iter().zip(&curve.measured);
+    let values = frames.filter(|(time, _)| shared.next_if_eq(time).is_some());
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], (_, value)| {
+        [low.min(*value), high.max(*value)]
+    });
+    high - low
 }

@@ -74,8 +74,8 @@ fn of_ratio(modulus: f64) -> String {
 /// Where the height of a curve is from.
 pub(super) fn of_peak(shortening_pct: f64) -> String {
     format!(
-        "the curve is in arbitrary units; its mean beat counts as a shortening of {shortening_pct} % (--peak-shortening). Every \
-         tension depends on that number, times hardly do"
+        "the curve is in arbitrary units; its mean beat counts as a shortening of {shortening_pct} %, 10 % unless stated \
+         (--peak-shortening). Every tension depends on that number, times hardly do"
     )
 }
 

@@ -32,14 +32,19 @@ fn slow_rise(times: &[f64]) -> Vec<f64> {
     times.iter().map(|time| 140.0 * (1.0 - 0.05 * course.at(*time))).collect()
 }
 
-/// The fit of a curve with noise, um; `settings` are keys with values.
+/// The fit of a curve of lengths with noise, um; `settings` are keys with values.
 fn fitted(lengths: &[f64], noise: f64, settings: &[(&str, &str)]) -> Fit {
+    fitted_as("length (um)", lengths, noise, settings)
+}
+
+/// The fit of a curve with noise under this header.
+fn fitted_as(header: &str, values: &[f64], noise: f64, settings: &[(&str, &str)]) -> Fit {
     let times = times();
     let normal = Distribution::Normal { mean: 0.0, standard_deviation: noise };
     let drawn = sample(&Sampler::LatinHypercube { size: times.len() }, &[normal], 7).unwrap();
-    let mut table = "time (ms),length (um)\n".to_owned();
-    for ((time, length), draw) in times.iter().zip(lengths).zip(drawn.iter()) {
-        writeln!(table, "{time},{}", length + draw[0]).unwrap();
+    let mut table = format!("time (ms),{header}\n");
+    for ((time, value), draw) in times.iter().zip(values).zip(drawn.iter()) {
+        writeln!(table, "{time},{}", value + draw[0]).unwrap();
     }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cell.csv");
@@ -86,6 +91,25 @@ fn where_no_model_follows_a_curve_its_own_tension_is_taken_and_said_to_predict_n
         )
     );
     assert!(words.contains("predicts nothing beyond this recording"));
+}
+
+#[test]
+fn a_curve_in_arbitrary_units_that_no_model_follows_has_the_tension_of_a_usual_peak_and_says_so() {
+    let motion: Vec<f64> =
+        slow_rise(&times()).iter().map(|length| 7.0 * (140.0 - length)).collect();
+    let fit = fitted_as("contraction (a.u.)", &motion, 0.35, &[]);
+    assert!(fit.own_tension.is_some() && fit.tried[0].taken);
+    assert_eq!(fit.curves[0].unit, "%");
+    let said = fit.verdicts.join("\n");
+    assert!(said.contains("counts as a shortening of 10 %"), "{said}");
+    // What each leaves is told apart as of the same curve in um.
+    let same = fitted(&slow_rise(&times()), 0.05, &[]);
+    let of = |fit: &Fit, at: usize| fit.tried[at].left.as_ref().unwrap().misfit_pct;
+    for at in 1..4 {
+        assert!((of(&fit, at) / of(&same, at) - 1.0).abs() < 0.5, "{at}");
+    }
+    let own = |fit: &Fit| fit.tried[0].left.as_ref().unwrap().chi_squared;
+    assert!((own(&fit) / own(&same) - 1.0).abs() < 0.2, "{} {}", own(&fit), own(&same));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::cell::CellModel as _;
 use crate::cell::given_tension::GivenTension;
 use crate::experiment::{BeatOptions, ExperimentError, Observer};
 use crate::fit::{
-    self, Fit, FitError, FitOptions, FitSettings, Fitter, Loaded, Observed, RecordedCourse,
+    self, Fit, FitError, FitOptions, FitSettings, Fitter, Loaded, Observed, RecordedCourse, Scale,
 };
 use crate::interruption::Interruption;
 use crate::measured::Curve;
@@ -20,6 +20,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Starts of each model while several are tried; the one that is taken has all that were asked for.
 const STARTS: usize = 4;
+/// Peak shortening, %, that is assumed for the tension itself of a curve that does not tell it: unloaded cells shorten by 7 to 12 %.
+const USUAL_SHORTENING_PCT: f64 = 10.0;
 /// What is added to the name of a model that recorded calcium drives.
 const MEASURED: &str = ", measured calcium";
 /// Steps of the progress of all fits.
@@ -180,14 +182,21 @@ impl FittableCell {
             };
             let fitted = |curve: &Curve| {
                 let all = self.with_loaded(self.observed(curve)?);
-                threads.install(|| self.fit_one(&all, &slow, &interruption, &goes_on))
+                let assumed = self.assumed(curve, &all)?;
+                let seen = [&all, assumed.as_ref().unwrap_or(&all)];
+                let fit = threads.install(|| self.fit_one(seen, &slow, &interruption, &goes_on))?;
+                let is_assumed = |fit: &Fit| assumed.is_some() && fit.own_tension.is_some();
+                Ok(fit.map(|fit| {
+                    let peak = is_assumed(&fit).then_some(USUAL_SHORTENING_PCT);
+                    fit.with_peak(peak.or(self.peak_shortening_pct))
+                }))
             };
             let found = match curve {
                 Ok(curve) => fitted(curve).map_err(|error| with_notes(error, notes)),
                 Err(error) => Err(error.clone()),
             };
             let found = match found {
-                Ok(Some(fit)) => Ok(fit.with_peak(self.peak_shortening_pct)),
+                Ok(Some(fit)) => Ok(fit),
                 Ok(None) => break,
                 Err(error) if count == 1 => return Err(error),
                 Err(error) => Err(error),
@@ -197,10 +206,10 @@ impl FittableCell {
         Ok(cells)
     }
 
-    /// The simplest fit that follows the curves; `None` if the work was interrupted.
+    /// The simplest fit that follows the curves, of models and of the tension itself; `None` if the work was interrupted.
     fn fit_one(
         &self,
-        curves: &[Loaded],
+        curves: [&Vec<Loaded>; 2],
         slow: &[Option<String>],
         interruption: &Interruption,
         goes_on: &(dyn Fn(f64) -> bool + Sync),
@@ -244,8 +253,8 @@ impl FittableCell {
     }
 
     /// The curves as a model is fitted to them: for one that recorded calcium drives, the first has the clock of calcium.
-    fn seen_by(&self, candidate: &Candidate, curves: &[Loaded]) -> Vec<Loaded> {
-        let mut curves = curves.to_vec();
+    fn seen_by(&self, candidate: &Candidate, curves: [&Vec<Loaded>; 2]) -> Vec<Loaded> {
+        let mut curves = curves[usize::from(candidate.fitter.seeks_tension())].clone();
         if let (true, Some(calcium), Some(first)) =
             (candidate.driven, &self.calcium, curves.first_mut())
         {
@@ -297,6 +306,17 @@ impl FittableCell {
             None
         };
         self.candidates.iter().map(of).collect()
+    }
+
+    /// The curves for the tension itself, if the curve is in arbitrary units and nothing says how far the cell shortens.
+    fn assumed(&self, curve: &Curve, all: &[Loaded]) -> Result<Option<Vec<Loaded>>, FitError> {
+        let is_arbitrary = all[0].observed.scale == Scale::Arbitrary;
+        let sought = self.candidates.iter().any(|candidate| candidate.fitter.seeks_tension());
+        if !(is_arbitrary && sought) {
+            return Ok(None);
+        }
+        let observed = curves::observed(curve, &self.beats, Some(USUAL_SHORTENING_PCT))?;
+        Ok(Some(self.with_loaded(observed)))
     }
 
     fn observed(&self, curve: &Curve) -> Result<Observed, FitError> {
