@@ -108,8 +108,11 @@ fn a_curve_in_arbitrary_units_that_no_model_follows_has_the_tension_of_a_usual_p
     for at in 1..4 {
         assert!((of(&fit, at) / of(&same, at) - 1.0).abs() < 0.5, "{at}");
     }
-    let own = |fit: &Fit| fit.tried[0].left.as_ref().unwrap().chi_squared;
-    assert!((own(&fit) / own(&same) - 1.0).abs() < 0.2, "{} {}", own(&fit), own(&same));
+    // In whatever unit, no more than the noise.
+    for fit in [&fit, &same] {
+        let left = fit.tried[0].left.as_ref().unwrap();
+        assert!(left.chi_squared < left.frames as f64, "{left:?}");
+    }
 }
 
 #[test]
