@@ -102,7 +102,7 @@ fn a_curve_in_arbitrary_units_that_no_model_follows_has_the_tension_of_a_usual_p
     assert_eq!(fit.curves[0].unit, "%");
     let said = fit.verdicts.join("\n");
     assert!(said.contains("counts as a shortening of 10 %"), "{said}");
-    // What each leaves is told apart as of the same curve in um.
+    // The models miss the curve by as much as they miss the same curve in um.
     let same = fitted(&slow_rise(&times()), 0.05, &[]);
     let of = |fit: &Fit, at: usize| fit.tried[at].left.as_ref().unwrap().misfit_pct;
     for at in 1..4 {
