@@ -6,6 +6,7 @@ use crate::{errors, head, words};
 use myospring::experiment::{self, ExperimentError};
 use myospring::interruption::Interruption;
 use myospring::output::files::{self, Manifest, Reads};
+use myospring::settings::Models;
 use myospring::study::parameters::{
     Answer, Common, MemberKind, ParameterStudy, ParameterStudyError, Shard, TRACES, Variation,
     VariationRow,
@@ -108,7 +109,8 @@ impl Study {
                 seen.insert(path.to_owned(), bytes.clone());
                 Ok(bytes)
             };
-            let mut study = ParameterStudy::from_toml(&text, read)?;
+            let models = Models::default().beside(&folder);
+            let mut study = ParameterStudy::from_toml_knowing(&text, models, read)?;
             // Without a folder there is no place for curves.
             study.traces &= output.is_some();
             study.interruption = interruption.clone();

@@ -13,6 +13,7 @@ use super::files::Files;
 use super::observer::Observer;
 use super::watched::Watched;
 use crate::output::files::Manifest;
+use crate::settings::Models;
 use crate::study::parameters::{
     Answer, Common, ParameterStudy, Shard, Variation, VariationRow, merge_traces, run,
     with_whole_curves,
@@ -81,10 +82,12 @@ impl Study {
         let text = files.text(path)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let read = |file: &str| files.bytes(folder.join(file));
-        let parameters = ParameterStudy::from_toml(&text, read).map_err(|error| {
-            ExperimentError::new(format!("`{}`: {error}", path.display()))
-                .advise("`myospring study init` writes a description to start from")
-        })?;
+        let models = Models::default().holding(files.held()).beside(&folder);
+        let parameters =
+            ParameterStudy::from_toml_knowing(&text, models, read).map_err(|error| {
+                ExperimentError::new(format!("`{}`: {error}", path.display()))
+                    .advise("`myospring study init` writes a description to start from")
+            })?;
         Ok(Self { text, parameters, folder, files: files.clone() })
     }
 

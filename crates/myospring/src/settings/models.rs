@@ -6,7 +6,7 @@ use crate::cell::{self, CellModel};
 use crate::cell_files::{self, Choices};
 use std::collections::BTreeMap;
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Endings of the files of cell models.
@@ -32,6 +32,8 @@ pub struct Models {
     own: Vec<Arc<dyn CellModel>>,
     of_files: Arc<Mutex<ModelsRead>>,
     held: Arc<BTreeMap<String, Vec<u8>>>,
+    /// What names of files are relative to; empty for the current folder.
+    folder: PathBuf,
 }
 
 impl Models {
@@ -44,6 +46,12 @@ impl Models {
     #[must_use]
     pub fn holding(self, held: Arc<BTreeMap<String, Vec<u8>>>) -> Self {
         Self { held, of_files: Arc::default(), ..self }
+    }
+
+    /// The same, with names of files relative to a folder.
+    #[must_use]
+    pub fn beside(self, folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), of_files: Arc::default(), ..self }
     }
 
     /// The name by which [`Models::model`] finds a model: that of its file as written, or its own.
@@ -68,36 +76,34 @@ impl Models {
         if let Some(model) = known.get(&key) {
             return Ok(Arc::clone(model));
         }
-        let model = read(name, how, &self.held)?;
+        let model = self.read(name, how)?;
         known.insert(key, Arc::clone(&model));
         Ok(model)
     }
-}
 
-/// Reads the model of a file; `held` has the contents of files that are not on the disk.
-fn read(
-    name: &str,
-    how: &FromFile,
-    held: &BTreeMap<String, Vec<u8>>,
-) -> Result<Arc<dyn CellModel>, Problem> {
-    let failed = |reason: String| Problem::ModelFile { reason };
-    let equations = match held.get(name).map(|bytes| std::str::from_utf8(bytes)) {
-        None => cell_files::open(Path::new(name), &how.variables),
-        Some(Err(_)) => return Err(failed(format!("`{name}` is not text (UTF-8)"))),
-        Some(Ok(text)) => cell_files::read(name, text, &how.variables, &|beside| {
-            let path = Path::new(name).with_file_name(beside);
-            String::from_utf8(held.get(path.to_str()?)?.clone()).ok()
-        }),
-    };
-    let equations = equations.map_err(|error| failed(error.to_string()))?;
-    let roles = &equations.roles;
-    let needed = roles.tension.is_none() && roles.calcium.is_some();
-    let model = if how.myofilaments.unwrap_or(needed) {
-        EquationModel::with_myofilaments(equations)
-    } else {
-        EquationModel::new(equations)
-    };
-    Ok(Arc::new(model.map_err(|error| failed(error.to_string()))?))
+    /// Reads the model of a file.
+    fn read(&self, name: &str, how: &FromFile) -> Result<Arc<dyn CellModel>, Problem> {
+        let held = &self.held;
+        let failed = |reason: String| Problem::ModelFile { reason };
+        let equations = match held.get(name).map(|bytes| std::str::from_utf8(bytes)) {
+            None => cell_files::open(&self.folder.join(name), &how.variables),
+            Some(Err(_)) => return Err(failed(format!("`{name}` is not text (UTF-8)"))),
+            Some(Ok(text)) => cell_files::read(name, text, &how.variables, &|beside| {
+                let path = Path::new(name).with_file_name(beside);
+                String::from_utf8(held.get(path.to_str()?)?.clone()).ok()
+            }),
+        };
+        let mut equations = equations.map_err(|error| failed(error.to_string()))?;
+        name.clone_into(&mut equations.source.file);
+        let roles = &equations.roles;
+        let needed = roles.tension.is_none() && roles.calcium.is_some();
+        let model = if how.myofilaments.unwrap_or(needed) {
+            EquationModel::with_myofilaments(equations)
+        } else {
+            EquationModel::new(equations)
+        };
+        Ok(Arc::new(model.map_err(|error| failed(error.to_string()))?))
+    }
 }
 
 impl fmt::Debug for Models {

@@ -106,6 +106,14 @@ fn a_file_that_is_held_needs_no_disk_and_is_read_once() {
 }
 
 #[test]
+fn names_are_relative_to_the_folder_of_a_description_and_come_back_as_written() {
+    let models = Models::default().beside("tests/study".as_ref());
+    let model = models.model("aliev_panfilov.mmt", &FromFile::default()).unwrap();
+    assert_eq!(Models::name_of(&*model), "aliev_panfilov.mmt");
+    assert!(Models::default().model("aliev_panfilov.mmt", &FromFile::default()).is_err());
+}
+
+#[test]
 fn studies_vary_its_constants_and_find_how_much_each_counts() {
     for kind in ["cell", "beat"] {
         let text = format!(
