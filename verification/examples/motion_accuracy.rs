@@ -71,7 +71,8 @@ fn grid() {
     }
 }
 
-fn speed() {
+/// A film of 20 beats, 500 frames, and its bytes.
+fn long_film() -> (FilmScene, Vec<u8>) {
     let scene = FilmScene {
         cell_um: [86.0, 80.0],
         frames: 25,
@@ -87,6 +88,12 @@ fn speed() {
     for _ in 0..20 {
         film.extend(&bytes[head..]);
     }
+    (scene, film)
+}
+
+fn speed() {
+    let (scene, film) = long_film();
+    let [width, height] = scene.size();
     let film = Film::read(film, &Selection::default()).unwrap();
     let start = Instant::now();
     let motion = follow(&scene, &film, None);
@@ -121,6 +128,7 @@ fn main() {
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["speed"] => speed(),
         ["film", file] => example(file),
+        ["long-film", file] => std::fs::write(file, long_film().1).unwrap(),
         _ => grid(),
     }
 }

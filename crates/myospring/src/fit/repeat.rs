@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 impl Fitter {
     /// The run with the fitted numbers and as many beats as the first curve, from its first
-    /// stimulus on; `myospring run` repeats the fitted curve.
+    /// stimulus on, or of a cell that was paced before; `myospring run` repeats the fitted curve.
     ///
     /// # Errors
     /// Numbers that the model does not take.
@@ -61,6 +61,9 @@ impl Fitter {
                 }
                 None => tension,
             };
+            if run.cell.tension_of_potential().is_some() {
+                run.steady_state = (fit.beats_before > 0).then_some(STEADY);
+            }
         } else {
             if let Some(name) = cell.in_fits().strength {
                 parameters.set(name, tension)?;
@@ -88,6 +91,8 @@ impl Fitter {
     }
 }
 
+/// The run of a train that began before the curve is paced until no state changes by more than this.
+const STEADY: f64 = 1e-3;
 /// Cycle lengths are rounded to this part of a ms.
 pub(super) const WRITTEN: f64 = 1e6;
 

@@ -118,7 +118,7 @@ impl FittableCell {
                 let mut candidates = Vec::new();
                 for (name, driven) in all {
                     let candidate = driven.and_then(|Driven { run: own, cell }| {
-                        let made = self::simulation(first.simulation(), &own);
+                        let made = self::simulation(first.simulation(), &own)?;
                         let fitter = first.beside(Simulation { cell, ..made });
                         with(Run { shape: run.shape.clone(), fibre: run.fibre, ..own }, fitter)
                     });

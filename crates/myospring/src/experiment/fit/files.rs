@@ -125,7 +125,7 @@ impl Shared<'_> {
         let Candidate { run, fitter, .. } = work.cell.of(fit);
         let run = Run { shape: self.run.shape.clone(), ..run.clone() };
         let run = fitter.fitted(run, fit)?;
-        let simulation = simulation(fitter.simulation(), &run);
+        let simulation = simulation(fitter.simulation(), &run)?;
         let run_file = resolved(&run, (inputs, up), &simulation, work.cell.spacing_um(), None);
         folder.write(&format!("{within}run.toml"), &run_file)?;
         if observer.is_late() {

@@ -59,7 +59,7 @@ impl Shapes {
         let mesh = &followed.motion.mesh;
         let seen = ObservedPeak::at_peak(&followed.motion);
         let run = cell.fitter.fitted(cell.run.clone(), fit).map_err(ExperimentError::new)?;
-        let outcome = simulation(cell.fitter.simulation(), &run)
+        let outcome = simulation(cell.fitter.simulation(), &run)?
             .run_quasi_static(Tolerance::default(), |_| true)?;
         let Some(peak) = PeakShapes::of(mesh, &seen, &outcome.recording.frames) else {
             return Ok(None);
