@@ -164,9 +164,30 @@ impl Field {
 #[derive(Debug, Clone)]
 pub struct Fields<'a> {
     mesh: &'a Mesh,
-    /// Unit vectors, one for each triangle.
-    fibres: Vec<[f64; 2]>,
+    /// One for each triangle.
+    shapes: Vec<Shape>,
     content: Option<&'a [f64]>,
+}
+
+/// A triangle at rest.
+#[derive(Debug, Clone, Copy)]
+struct Shape {
+    /// Twice its area, um^2; 0 of one without a shape.
+    double_area: f64,
+    /// The unit vector of its fibre, and the one across, as parts of its two edges.
+    along: [f64; 2],
+    across: [f64; 2],
+}
+
+impl Shape {
+    /// Of a triangle with a fibre along a unit vector.
+    fn of(mesh: &Mesh, triangle: &Simplex<3>, [x, y]: [f64; 2]) -> Self {
+        let rest = edges(&mesh.points, triangle);
+        let double_area = cross(rest[0], rest[1]);
+        let parts =
+            |v: [f64; 2]| [cross(v, rest[1]) / double_area, cross(rest[0], v) / double_area];
+        Self { double_area, along: parts([x, y]), across: parts([-y, x]) }
+    }
 }
 
 impl<'a> Fields<'a> {
@@ -209,8 +230,10 @@ impl<'a> Fields<'a> {
             let direction = length.is_finite() && length > 0.0;
             direction.then_some([x / length, y / length]).ok_or(FieldError::Fibre { x, y })
         };
-        let fibres = fibres.iter().map(unit).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { mesh, fibres, content })
+        let shapes = mesh.simplices.iter().zip(fibres).map(|(triangle, fibre)| {
+            unit(fibre).map(|fibre| Shape::of(mesh, triangle, fibre))
+        });
+        Ok(Self { mesh, shapes: shapes.collect::<Result<_, _>>()?, content })
     }
 
     /// The mesh.
@@ -275,24 +298,25 @@ impl<'a> Fields<'a> {
     }
 
     fn in_triangle(&self, field: Field, frame: &Frame, index: usize) -> f64 {
-        let (triangle, [x, y]) = (&self.mesh.simplices[index], self.fibres[index]);
-        let rest = edges(&self.mesh.points, triangle);
-        let now = edges(&frame.positions, triangle);
-        let double_area = cross(rest[0], rest[1]);
-        if double_area == 0.0 {
+        let (triangle, shape) = (&self.mesh.simplices[index], &self.shapes[index]);
+        if shape.double_area == 0.0 {
             return field.at_rest();
         }
+        let now = || edges(&frame.positions, triangle);
         // F v = D_s D_m^-1 v, the columns of D being two edges.
-        let strain_along = |v: [f64; 2]| {
-            let parts = [cross(v, rest[1]) / double_area, cross(rest[0], v) / double_area];
+        let strain = |parts: [f64; 2]| {
+            let now = now();
             let [x, y] =
                 [0, 1].map(|axis: usize| now[0][axis] * parts[0] + now[1][axis] * parts[1]);
-            100.0 * (x.hypot(y) - 1.0)
+            100.0 * ((x * x + y * y).sqrt() - 1.0)
         };
         match field {
-            Field::FibreStrain => strain_along([x, y]),
-            Field::CrossStrain => strain_along([-y, x]),
-            Field::AreaRatio => cross(now[0], now[1]) / double_area,
+            Field::FibreStrain => strain(shape.along),
+            Field::CrossStrain => strain(shape.across),
+            Field::AreaRatio => {
+                let [a, b] = now();
+                cross(a, b) / shape.double_area
+            }
             Field::ActiveStress => {
                 let tension =
                     frame.ta_by_triangle_kpa.as_ref().map_or(frame.ta_kpa, |ta| ta[index]);

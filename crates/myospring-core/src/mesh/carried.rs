@@ -91,11 +91,9 @@ impl Carried {
     pub fn at(&self, positions: &[Vec<f64>; 2]) -> Vec<[f64; 2]> {
         let [xs, ys] = positions;
         let place = |point| {
-            let along = |values: &[f64]| {
-                let parts = self.weights(point).iter();
-                parts.map(|&(node, weight)| weight * values[node as usize]).sum()
-            };
-            [along(xs), along(ys)]
+            self.weights(point).iter().fold([0.0; 2], |[x, y], &(node, weight)| {
+                [x + weight * xs[node as usize], y + weight * ys[node as usize]]
+            })
         };
         (0..self.len()).map(place).collect()
     }

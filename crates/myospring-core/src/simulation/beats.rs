@@ -36,10 +36,10 @@ pub struct Beating<'a> {
 }
 
 impl Beating<'_> {
-    /// Whether steady beats are repeated, so that trains cost little. Other cells start from their
-    /// initial state; earlier beats are left out.
-    pub fn repeats(&self) -> bool {
-        given_calcium::serves(self.simulation, &**self.cell)
+    /// Whether steady beats of a model are repeated, so that trains cost little. Other cells start from
+    /// their initial state; earlier beats are left out.
+    pub fn repeats(simulation: &Simulation, cell: &dyn CellModel) -> bool {
+        given_calcium::serves(simulation, cell)
     }
 
     /// Shortening, a part of the length before a beat, at every interval of a train from the first
@@ -49,7 +49,7 @@ impl Beating<'_> {
     /// Why there is no such curve.
     pub fn shortening(&self, train: &Train) -> Result<Vec<f64>, StopReason> {
         let lag = Lag::by(self.simulation.material.retardation_time);
-        if self.repeats()
+        if Self::repeats(self.simulation, &**self.cell)
             && let Some(given) = GivenCalcium::of(&**self.cell, self.response, lag)
         {
             return given.shortening(train);

@@ -17,22 +17,51 @@ pub(super) fn kept(
     let mut from = 0;
     while from < last {
         let furthest = (from + longest).min(last);
-        let fits = |&to: &usize| {
-            (from + 1..to).all(|at| {
-                let part = ((times[at] - times[from]) / (times[to] - times[from])) as f32;
-                let ends = displacements[from].iter().zip(&displacements[to]);
-                ends.zip(&displacements[at])
-                    .all(|((a, b), now)| f64::from((a + part * (b - a) - now).abs()) <= tolerance)
-            })
-        };
+        let mut rates = Rates::new(displacements[from].len());
         let mut to = from + 1;
-        while to < furthest && fits(&(to + 1)) {
+        while to < furthest {
+            let from_start = |at: usize| (times[at] - times[from]) as f32;
+            let start = &displacements[from];
+            rates.narrow(start, &displacements[to], from_start(to), tolerance as f32);
+            if !rates.allow(start, &displacements[to + 1], from_start(to + 1)) {
+                break;
+            }
             to += 1;
         }
         kept.push(to);
         from = to;
     }
     kept
+}
+
+/// For each number, the slopes of the straight lines from the start that pass all values so far within the tolerance.
+struct Rates {
+    low: Vec<f32>,
+    high: Vec<f32>,
+}
+
+impl Rates {
+    fn new(count: usize) -> Self {
+        Self { low: vec![f32::NEG_INFINITY; count], high: vec![f32::INFINITY; count] }
+    }
+
+    fn narrow(&mut self, start: &[f32], now: &[f32], after: f32, tolerance: f32) {
+        let per = after.recip();
+        let bounds = self.low.iter_mut().zip(&mut self.high);
+        for ((low, high), (start, now)) in bounds.zip(start.iter().zip(now)) {
+            *low = low.max((now - start - tolerance) * per);
+            *high = high.min((now - start + tolerance) * per);
+        }
+    }
+
+    fn allow(&self, start: &[f32], now: &[f32], after: f32) -> bool {
+        let per = after.recip();
+        let bounds = self.low.iter().zip(&self.high);
+        bounds.zip(start.iter().zip(now)).all(|((low, high), (start, now))| {
+            let rate = (now - start) * per;
+            (*low..=*high).contains(&rate)
+        })
+    }
 }
 
 #[cfg(test)]

@@ -5,11 +5,12 @@ use super::least_squares::Column;
 use super::stretch_dependent::StretchDependent;
 use super::table::{Shelf, Tables};
 use super::unknown::{Physics, Unknown};
-use crate::cell::tension::Rates;
+use crate::cell::CellModel;
+use crate::cell::tension::{Rates, Tension};
 use crate::cell::tension::lag::Lag;
 use crate::cell::tension::train::Potential;
 use crate::simulation::equilibria::TensionResponse;
-use crate::simulation::{Simulation, Train};
+use crate::simulation::{Beating, Simulation, Train};
 use std::sync::Arc;
 
 /// How a cell on its mesh shortens after stimuli.
@@ -37,18 +38,9 @@ impl Contraction {
         shelf: &Shelf,
     ) -> Result<Self, FitError> {
         let Train { before, beats, cycle_ms } = *train;
-        let names: Vec<String> = unknowns
-            .iter()
-            .filter_map(|unknown| match unknown {
-                Unknown::Parameter(name) => Some(name.clone()),
-                _ => None,
-            })
-            .collect();
         let loaded = unknowns.contains(&Unknown::YoungModulus);
         let cell = &simulation.cell;
-        let of_tension = |name: &String| Rates::NAMES.iter().position(|known| known == name);
-        let places: Option<Vec<usize>> = names.iter().map(of_tension).collect();
-        if let (Some(tension), Some(places)) = (cell.tension_of_potential(), places) {
+        if let Some((tension, places)) = of_potential(&**cell, unknowns) {
             let protocol = simulation.protocol;
             let potential = Potential::solve(cell, tension, protocol, before, beats, cycle_ms)?;
             let rates = Rates::of(tension, Lag::by(simulation.material.retardation_time));
@@ -57,6 +49,7 @@ impl Contraction {
             return Ok(Self::FollowsPotential { potential, rates, places, tables, peak });
         }
         let tables = shelf.tables(simulation, up_to, loaded)?;
+        let names = parameters(unknowns).map(str::to_owned).collect();
         let cell = StretchDependent::new(simulation, names, *train, tables)?;
         Ok(Self::StretchDependent(Box::new(cell)))
     }
@@ -114,6 +107,12 @@ impl Contraction {
         }
     }
 
+    /// Whether computing curves of these unknowns takes most of the time of a fit.
+    pub(super) fn will_be_slow(simulation: &Simulation, unknowns: &[Unknown]) -> bool {
+        let cell = &*simulation.cell;
+        of_potential(cell, unknowns).is_none() && !Beating::repeats(simulation, cell)
+    }
+
     /// Whether computing curves takes most of the time of a fit.
     pub(super) fn is_slow(&self) -> bool {
         matches!(self, Self::StretchDependent(cell) if cell.is_slow())
@@ -146,4 +145,23 @@ impl Contraction {
         }
         Some(tension)
     }
+}
+
+/// The parameters of the cell model that are sought.
+fn parameters(unknowns: &[Unknown]) -> impl Iterator<Item = &str> {
+    unknowns.iter().filter_map(|unknown| match unknown {
+        Unknown::Parameter(name) => Some(&**name),
+        _ => None,
+    })
+}
+
+/// The law by which tension follows the potential, and the places of the unknowns among its rates; `None` of another cell
+/// model, or if any unknown parameter is none of these.
+fn of_potential<'a>(
+    cell: &'a dyn CellModel,
+    unknowns: &[Unknown],
+) -> Option<(&'a Tension, Vec<usize>)> {
+    let place = |name: &str| Rates::NAMES.iter().position(|known| *known == name);
+    let places: Option<Vec<usize>> = parameters(unknowns).map(place).collect();
+    Some((cell.tension_of_potential()?, places?))
 }

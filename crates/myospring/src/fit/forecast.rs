@@ -1,5 +1,6 @@
 //! How long a fit will take.
 
+use super::contraction::Contraction;
 use super::error::FitError;
 use super::fitter::{Fitter, Loaded};
 use super::problem::{Layout, Role, Source};
@@ -13,10 +14,32 @@ const STEPS: usize = 5;
 const BESIDES: usize = 10;
 const OF_PROFILE: usize = 55;
 
+/// Beats of a curve that are timed.
+const TIMED: usize = 2;
+
 impl Fitter {
-    /// The approximate time of a fit on one thread, for a cell model whose curves take most of the
-    /// time: one curve is computed and timed. `None` for other cell models, whose fits take
-    /// seconds.
+    /// Whether a fit takes long, since each curve that it tries is a whole beat of the cell model.
+    ///
+    /// # Errors
+    ///
+    /// Settings that the model does not take.
+    pub fn is_slow(&self, settings: &FitSettings) -> Result<bool, FitError> {
+        if self.seeks_tension() {
+            return Ok(false);
+        }
+        let unknowns: Vec<Unknown> =
+            self.unknowns(settings)?.into_iter().map(|(unknown, ..)| unknown).collect();
+        Ok(Contraction::will_be_slow(self.simulation(), &unknowns))
+    }
+
+    fn unknowns(
+        &self,
+        settings: &FitSettings,
+    ) -> Result<Vec<(Unknown, [f64; 2], f64)>, FitError> {
+        settings.sought(&*self.simulation().cell, |unknown| self.usual(unknown), false)
+    }
+
+    /// The approximate time of a slow fit on one thread: the first beats of each curve are computed and timed.
     ///
     /// # Errors
     ///
@@ -25,20 +48,20 @@ impl Fitter {
         &self,
         curves: &[Loaded],
         settings: &FitSettings,
-    ) -> Result<Option<Duration>, FitError> {
-        if self.seeks_tension() {
-            return Ok(None);
-        }
-        let sought =
-            settings.sought(&*self.simulation().cell, |unknown| self.usual(unknown), false)?;
+    ) -> Result<Duration, FitError> {
+        let sought = self.unknowns(settings)?;
         let unknowns: Vec<Unknown> = sought.iter().map(|(unknown, ..)| unknown.clone()).collect();
+        let beats = |curve: &Loaded| curve.observed.stimuli.times().len();
+        let (all, timed) = curves.iter().fold((0, 0), |(all, timed), curve| {
+            (all + beats(curve), timed + beats(curve).min(TIMED))
+        });
         let sources = curves
             .iter()
-            .map(|curve| self.source(curve, &unknowns, 0))
+            .map(|Loaded { support, observed }| {
+                let start = Loaded { support: *support, observed: observed.first_beats(TIMED) };
+                self.source(&start, &unknowns, 0)
+            })
             .collect::<Result<Vec<Source>, _>>()?;
-        if !sources.iter().any(|source| source.contraction.is_slow()) {
-            return Ok(None);
-        }
         let layout = Layout::new(sources, &sought);
         let at = vec![0.0; layout.roles.len()];
         let begun = Stopwatch::start();
@@ -51,6 +74,7 @@ impl Fitter {
         let a_step = of_cell + 1;
         let curves =
             settings.starts.max(1) * (BESIDES + STEPS * a_step) + shown * OF_PROFILE * a_step;
-        Ok(Some(begun.elapsed() * u32::try_from(curves).unwrap_or(u32::MAX)))
+        let one = begun.elapsed().mul_f64(all as f64 / timed.max(1) as f64);
+        Ok(one * u32::try_from(curves).unwrap_or(u32::MAX))
     }
 }

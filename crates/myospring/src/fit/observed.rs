@@ -166,6 +166,19 @@ impl Observed {
         }
     }
 
+    /// The frames of the first beats.
+    pub(super) fn first_beats(&self, beats: usize) -> Self {
+        let stimuli = self.stimuli.times();
+        let Some(end) = stimuli.get(beats) else { return self.clone() };
+        let frames = self.times_ms.partition_point(|time| time < end).min(self.values.len());
+        Self {
+            times_ms: self.times_ms[..frames].to_vec(),
+            values: self.values[..frames].to_vec(),
+            stimuli: Stimuli::Given(stimuli[..beats].to_vec()),
+            ..self.clone()
+        }
+    }
+
     /// The shortening, %, of a curve in arbitrary units whose mean beat is this high.
     fn with_peak(self, percent: f64, analysis: &Analysis) -> Result<Self, FitError> {
         if self.scale != Scale::Arbitrary {

@@ -47,9 +47,7 @@ impl StretchDependent {
     /// Whether computing curves takes most of the time of a fit. Such a cell always starts from the
     /// model's published state.
     pub(super) fn is_slow(&self) -> bool {
-        let (simulation, cell) = (&self.simulation, &self.simulation.cell);
-        let response = &self.tables.at(1.0);
-        !Beating { simulation, cell, strength: 1.0, response }.repeats()
+        !Beating::repeats(&self.simulation, &*self.simulation.cell)
     }
 
     /// Shortening, a part of the resting length, at ascending times; `None` if the cell does not

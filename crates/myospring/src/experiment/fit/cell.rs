@@ -291,17 +291,17 @@ impl FittableCell {
     ) -> Vec<Option<String>> {
         // A curve without a beat says so later.
         let first = |curve: &Named| self.observed(curve.1.as_ref().ok()?).ok();
-        let curve = curves.iter().find_map(first).map(|observed| self.with_loaded(observed));
-        let takes = |candidate: &Candidate| {
-            let Candidate { fitter, settings, .. } = candidate;
-            fitter.will_take(curve.as_ref()?, settings).ok().flatten()
-        };
+        let curve = || curves.iter().find_map(first).map(|observed| self.with_loaded(observed));
         let models = self.candidates.iter().filter(|it| !it.fitter.seeks_tension()).count();
         let of = |candidate: &Candidate| {
-            let one = takes(candidate)?;
+            let Candidate { fitter, settings, .. } = candidate;
+            if !fitter.is_slow(settings).ok()? {
+                return None;
+            }
             if models > 1 {
                 return Some(words::too_slow(&candidate.model()));
             }
+            let one = fitter.will_take(&curve()?, settings).ok()?;
             observer.note(&words::will_take(one, curves.len(), threads.count()));
             None
         };
