@@ -156,14 +156,14 @@ pub(crate) struct TableArgs {
     Exit codes: 0 done, 1 a cell of several could not be fitted, 2 bad input or usage.")]
 pub(crate) struct FitArgs {
     /// Picture or mask (.png, .tif), outline (.geojson, .json, .csv, .roi, .zip, .txt) or run file (.toml) of the cell;
-    /// without it, the cell of the film, or the built-in adult ventricular cell
-    #[arg(value_name = "PICTURE|OUTLINE|RUN.toml|FILM")]
+    /// without it, the cell of the film, or the built-in adult ventricular cell. Alone: a film, or a table of curves
+    #[arg(value_name = "PICTURE|OUTLINE|RUN.toml|FILM|TRACE")]
     pub(crate) input: Option<PathBuf>,
     /// Measured curves (.csv, .txt, .tsv, .atf, .xlsx): length, sarcomere length, shortening or
     /// another motion; several columns of one kind, files, or a folder of them are several cells;
     /// from `track.csv` and other tables with several kinds of curves of one cell, the stretch is
-    /// used, or else the length. Or a film, whose cell is tracked [default: the film that was given
-    /// as a picture]
+    /// used, or else the length. Or a film, whose cell is tracked [default: the film or table that was
+    /// given alone]
     #[arg(long, value_name = "TRACE|FILM", num_args = 1.., help_heading = FIT)]
     pub(crate) to: Vec<PathBuf>,
     /// A curve of the same cell between two springs, such as carbon fibres, each of this stiffness
@@ -171,7 +171,7 @@ pub(crate) struct FitArgs {
     #[arg(long, value_name = "STIFFNESS=TRACE", help_heading = FIT)]
     pub(crate) loaded: Vec<String>,
     /// How far the cell shortens at the peak of its beat ("10 %"), for a curve in arbitrary units (MUSCLEMOTION, pillars),
-    /// which does not say so; tensions depend on it [default: only the timing of such a curve is fitted]
+    /// which does not say so; tensions depend on it [default: models are fitted to its timing alone, its own tension to 10 %]
     #[arg(long, value_name = "PERCENT", help_heading = FIT)]
     pub(crate) peak_shortening: Option<String>,
     /// Calcium that was recorded together with the curve, on the same clock (.csv, .xlsx, ...): it drives `land_2017`, beat for beat. A

@@ -74,7 +74,7 @@ impl FitCell {
         // Before the others, which it would put out of force.
         settings.splice(0..0, models.first().and_then(model_named));
         let film = film.map(|path| self.follow(path, &settings, files, observer)).transpose()?;
-        let stem = self.to.first().filter(|_| self.cell.is_none());
+        let stem = self.measured().first().filter(|_| self.shape().is_none());
         let stem = stem.and_then(|path| path.file_stem());
         let stem = stem.map(|stem| stem.to_string_lossy().into_owned());
         let interruption = observer.interruption();
@@ -85,14 +85,14 @@ impl FitCell {
         }
         let (curves, own, mut notes) = match &film {
             Some(film) => (vec![film.named(&self.table)?], Vec::new(), film.warnings().to_vec()),
-            None => curves::of_tables(&self.to, &self.table, files)?,
+            None => curves::of_tables(self.measured(), &self.table, files)?,
         };
         let loaded = self.between_springs(curves.len(), files)?;
         let (calcium, more) = self.calcium.of(&curves, own, (&self.table, &self.beats), files)?;
         notes.extend(more);
         // A film without another picture gives the cell itself.
         let own =
-            film.as_ref().filter(|film| self.cell.as_ref().is_none_or(|cell| *cell == film.path));
+            film.as_ref().filter(|film| self.shape().is_none_or(|cell| cell == film.path));
         let (name, mut run, shaped) = match own {
             Some(film) => film.input(),
             None => self.input(&settings, files, &interruption)?,
@@ -139,7 +139,7 @@ impl FitCell {
         if seeks_tension {
             return Ok(Models::Tension);
         }
-        let of_cell = self.cell.as_deref().filter(|cell| film != Some(*cell));
+        let of_cell = self.shape().filter(|cell| film != Some(*cell));
         if input::gives(of_cell, settings, MODEL, files)? {
             return Ok(Models::OfRun);
         }
@@ -177,7 +177,7 @@ impl FitCell {
         interruption: &Interruption,
     ) -> Result<(String, Run, Shaped), ExperimentError> {
         let place = |_: &str| self.refused.clone();
-        let read = input::read(self.cell.as_deref(), settings, place, files, interruption)?;
+        let read = input::read(self.shape(), settings, place, files, interruption)?;
         let Input { name, run, shaped, .. } = read;
         Ok((name, run, shaped))
     }

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub struct FitCell {
     /// A picture, an outline or a run file of the cell; `None`: the cell of the film, or the built-in one.
     pub cell: Option<PathBuf>,
-    /// Tables of curves and folders of them, each curve a cell; or one film. Without any `cell` is the film.
+    /// Tables of curves and folders of them, each curve a cell; or one film. Without any `cell` is the film or the table.
     pub to: Vec<PathBuf>,
     /// Settings, which override those of a run file.
     pub settings: Vec<ChosenSetting>,

@@ -14,6 +14,7 @@ use crate::output::json;
 use crate::output::track::{self as table, TrackRow};
 use crate::settings::{Run, Shaped, Source};
 use std::path::{Path, PathBuf};
+use std::slice;
 use std::sync::Arc;
 
 /// Where the film's results go.
@@ -43,14 +44,9 @@ impl FitCell {
     /// The film that is fitted to, if there is one: the only file in `to`, or `cell`.
     pub(super) fn film(&self) -> Result<Option<&Path>, ExperimentError> {
         let is_film = |path: &&PathBuf| !is_of_tables(path);
-        match (self.to.as_slice(), &self.cell) {
+        match (self.measured(), &self.cell) {
             ([], None) => Err(ExperimentError::new("there is nothing to fit to")
-                .advise("name a measured curve, --to cell.csv, or a film: myospring fit film.avi")),
-            ([], Some(cell)) if is_of_tables(cell) => {
-                let path = cell.display();
-                Err(ExperimentError::new(format!("`{path}` holds curves, not a film"))
-                    .advise(format!("name measured curves like this: myospring fit --to {path}")))
-            }
+                .advise("name a measured curve or a film: myospring fit cell.csv, myospring fit film.avi")),
             ([], Some(one)) => Ok(Some(one)),
             ([one], _) => Ok(Some(one).filter(is_film).map(PathBuf::as_path)),
             (several, _) => match several.iter().find(is_film) {
@@ -61,6 +57,20 @@ impl FitCell {
                 ))),
             },
         }
+    }
+
+    /// The files of curves, or the film: a table alone can only be a curve.
+    pub(super) fn measured(&self) -> &[PathBuf] {
+        match &self.cell {
+            Some(table) if self.to.is_empty() && is_of_tables(table) => slice::from_ref(table),
+            _ => &self.to,
+        }
+    }
+
+    /// The file of the cell's shape.
+    pub(super) fn shape(&self) -> Option<&Path> {
+        let cell = self.cell.as_deref()?;
+        (!self.to.is_empty() || !is_of_tables(cell)).then_some(cell)
     }
 
     /// How the film is followed.
