@@ -230,9 +230,11 @@ impl<'a> Fields<'a> {
             let direction = length.is_finite() && length > 0.0;
             direction.then_some([x / length, y / length]).ok_or(FieldError::Fibre { x, y })
         };
-        let shapes = mesh.simplices.iter().zip(fibres).map(|(triangle, fibre)| {
-            unit(fibre).map(|fibre| Shape::of(mesh, triangle, fibre))
-        });
+        let shapes = mesh
+            .simplices
+            .iter()
+            .zip(fibres)
+            .map(|(triangle, fibre)| unit(fibre).map(|fibre| Shape::of(mesh, triangle, fibre)));
         Ok(Self { mesh, shapes: shapes.collect::<Result<_, _>>()?, content })
     }
 

@@ -60,6 +60,8 @@ pub struct DrawnTension {
     pub tension_kpa: Vec<f64>,
     /// Ends of its 95 % band, kPa.
     pub band_kpa: [Vec<f64>; 2],
+    /// The true tension, where it is known, kPa; drawn dashed.
+    pub true_kpa: Option<Vec<f64>>,
     /// Stimuli, ms.
     pub stimuli_ms: Vec<f64>,
 }
@@ -154,19 +156,24 @@ pub fn fit(curves: &[DrawnFit], profiles: &[LikelihoodProfile]) -> Result<Figure
 /// # Errors
 /// A tension without frames.
 pub fn tension(drawn: &DrawnTension) -> Result<Figure, FigureError> {
-    let DrawnTension { times_ms, tension_kpa, band_kpa: [low, high], stimuli_ms } = drawn;
+    let DrawnTension { times_ms, tension_kpa, band_kpa: [low, high], true_kpa, stimuli_ms } = drawn;
     let (Some(&first), Some(&last)) = (times_ms.first(), times_ms.last()) else {
         return Err(FigureError::Nothing { what: "tensions" });
     };
     let top = high.iter().copied().fold(0.0, f64::max);
     let line = |values: &[f64]| times_ms.iter().zip(values).map(|(t, v)| [*t, *v]).collect();
-    let curve = Curve { points: line(tension_kpa), colour: TENSION, dash: None };
+    let mut curves = vec![Curve::solid(line(tension_kpa), TENSION)];
+    curves.extend(true_kpa.as_ref().map(|values| Curve {
+        points: line(values),
+        colour: INK,
+        dash: Some([3.0, 2.0]),
+    }));
     let mut chart = Chart {
         place: [0.0, HEAD],
         size: [0.0, OVERLAY],
         x: Axis::time([first, last]),
         y: Axis::values("Active tension (kPa)", [0.0, top], OVERLAY),
-        curves: vec![curve],
+        curves,
         bands: Vec::new(),
         marks: stimuli_ms.clone(),
     };
@@ -185,7 +192,10 @@ pub fn tension(drawn: &DrawnTension) -> Result<Figure, FigureError> {
     sheet.window("band".to_owned(), Path::rect(plot), inside);
     chart.draw(&mut sheet, offset);
     chart.draw_curves(&mut sheet);
-    let words = "line: tension, grey: 95 % band";
+    let words = match true_kpa {
+        Some(_) => "line: found, grey: 95 % band, dashed: true",
+        None => "line: tension, grey: 95 % band",
+    };
     let right = [chart.place[0] + chart.size[0], chart.place[1] - 8.5];
     sheet.text(right, words, Style::new(TICK).anchor(Anchor::End).colour(INK));
     Ok(sheet.finish(DOUBLE, HEAD + OVERLAY + UNDER))

@@ -198,7 +198,7 @@ impl Chart {
 
     /// A tension that a curve asks for, with its band.
     pub fn of_tension(drawn: &DrawnTension) -> Self {
-        let DrawnTension { times_ms, tension_kpa, band_kpa: [low, high], stimuli_ms } = drawn;
+        let DrawnTension { times_ms, tension_kpa, band_kpa: [low, high], stimuli_ms, .. } = drawn;
         let series = |label: &str, tone, values: &[f64]| Series {
             label: label.to_owned(),
             tone,

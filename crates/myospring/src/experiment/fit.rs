@@ -91,8 +91,7 @@ impl FitCell {
         let (calcium, more) = self.calcium.of(&curves, own, (&self.table, &self.beats), files)?;
         notes.extend(more);
         // A film without another picture gives the cell itself.
-        let own =
-            film.as_ref().filter(|film| self.shape().is_none_or(|cell| cell == film.path));
+        let own = film.as_ref().filter(|film| self.shape().is_none_or(|cell| cell == film.path));
         let (name, mut run, shaped) = match own {
             Some(film) => film.input(),
             None => self.input(&settings, files, &interruption)?,

@@ -32,10 +32,7 @@ impl Fitter {
         Ok(Contraction::will_be_slow(self.simulation(), &unknowns))
     }
 
-    fn unknowns(
-        &self,
-        settings: &FitSettings,
-    ) -> Result<Vec<(Unknown, [f64; 2], f64)>, FitError> {
+    fn unknowns(&self, settings: &FitSettings) -> Result<Vec<(Unknown, [f64; 2], f64)>, FitError> {
         settings.sought(&*self.simulation().cell, |unknown| self.usual(unknown), false)
     }
 

@@ -432,11 +432,11 @@ impl TensionMetric {
             unknown: None,
             unit: self.unit.to_owned(),
             value: self.value,
-            interval: self.interval.map(Some),
+            interval: [Some(self.interval[0]), Some(self.interval[1]).filter(|_| !self.is_fast)],
             standard_deviation: Some(self.standard_deviation),
             bounds: self.interval,
             profile: Vec::new(),
-            verdict: Verdict::Determined,
+            verdict: if self.is_fast { Verdict::AtLeast } else { Verdict::Determined },
         }
     }
 }

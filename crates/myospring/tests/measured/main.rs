@@ -5,6 +5,8 @@
 mod common;
 mod film_shapes;
 mod fit;
+#[path = "../common/known_tension.rs"]
+mod known_tension;
 mod numbers;
 mod own_runs;
 mod own_tension;

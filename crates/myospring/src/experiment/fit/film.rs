@@ -45,8 +45,9 @@ impl FitCell {
     pub(super) fn film(&self) -> Result<Option<&Path>, ExperimentError> {
         let is_film = |path: &&PathBuf| !is_of_tables(path);
         match (self.measured(), &self.cell) {
-            ([], None) => Err(ExperimentError::new("there is nothing to fit to")
-                .advise("name a measured curve or a film: myospring fit cell.csv, myospring fit film.avi")),
+            ([], None) => Err(ExperimentError::new("there is nothing to fit to").advise(
+                "name a measured curve or a film: myospring fit cell.csv, myospring fit film.avi",
+            )),
             ([], Some(one)) => Ok(Some(one)),
             ([one], _) => Ok(Some(one).filter(is_film).map(PathBuf::as_path)),
             (several, _) => match several.iter().find(is_film) {

@@ -112,6 +112,7 @@ pub(super) fn drawn_tension(fit: &Fit) -> Option<DrawnTension> {
         times_ms: own.times_ms.iter().map(|time| first + time).collect(),
         tension_kpa: own.tension_kpa.clone(),
         band_kpa: own.band_kpa.clone(),
+        true_kpa: None,
         stimuli_ms: curve.stimuli_ms.clone(),
     })
 }

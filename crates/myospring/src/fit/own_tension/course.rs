@@ -49,7 +49,8 @@ pub struct TensionMetric {
     pub definition: &'static str,
     /// Mean over the beats that count.
     pub value: f64,
-    /// Standard deviation of that mean, from the noise of the frames.
+    /// Standard deviation of that mean by the noise of the frames: how it scatters and how far it is moved, such as a peak, which
+    /// noise heightens.
     pub standard_deviation: f64,
     /// 95 % interval by the noise of the frames.
     pub interval_by_noise: [f64; 2],
@@ -59,6 +60,9 @@ pub struct TensionMetric {
     pub interval: [f64; 2],
     /// Beats that have it.
     pub beats: usize,
+    /// Whether it is a rate at which the tension passes its whole peak within three frames: then the true one may be
+    /// larger.
+    pub is_fast: bool,
 }
 
 /// The mean beat of a tension.

@@ -9,7 +9,7 @@ const BAND: usize = 3;
 /// Third differences.
 const DIFFERENCE: [f64; BAND + 1] = [-1.0, 3.0, -3.0, 1.0];
 /// Most coefficients.
-const MOST: usize = 2000;
+const MOST: usize = 20_000;
 /// Penalties that are tried, as powers of ten of the ratio of both traces, and their distance.
 const POWERS: [f64; 2] = [-10.0, 8.0];
 const STEP: f64 = 0.25;
