@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release -p myospring-verification --example tension_maps` prints the table of the peak of
 //! `docs/reference/accuracy.md`, with `-- coverage` that of the whole beat; with `-- docs/pictures/tension-map.png` it draws
-//! its picture instead.
+//! its picture instead, and with `-- film FILE.y4m`
+//! writes 504 frames of 510 x 480 pixels of a cell with a weak half, to time `myospring fit FILE.y4m --pixel-size "0.2 um"`.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that measures")]
 
@@ -209,9 +210,20 @@ fn coverage() {
     }
 }
 
+/// Writes a film of a cell of 86 x 80 um with a weak half: 21 beats of 24 frames.
+fn long_film(file: &std::ffi::OsStr) {
+    let scene = FilmScene { cell_um: [86.0, 80.0], noise: 0.1, bits: 8, ..FilmScene::default() };
+    let support = SupportKind::MassCentre;
+    let film = Pulled { scene, tension: weak_half, support, frames: &BEAT, lag: together };
+    std::fs::write(file, film.bytes(21)).unwrap();
+}
+
 fn main() {
     match std::env::args_os().nth(1) {
         Some(word) if word == "coverage" => return coverage(),
+        Some(word) if word == "film" => {
+            return long_film(&std::env::args_os().nth(2).unwrap_or_default());
+        }
         Some(path) => return draw(path.as_ref()),
         None => {}
     }

@@ -347,7 +347,8 @@ fn fitting(label: &str, room: f64) -> (String, u32) {
 /// A power of ten in superscript digits.
 fn raised(power: i32) -> String {
     let digit = |digit: char| match digit {
-        '-' => '\u{207b}',
+        // The font has no raised minus; this is a raised bar.
+        '-' => '\u{2c9}',
         '1' => '\u{b9}',
         '2' => '\u{b2}',
         '3' => '\u{b3}',
@@ -431,7 +432,8 @@ mod tests {
         let large = axis("Force (nN)", [0.0, 1e9]);
         assert_eq!(large.title(), "Force (\u{d7}10\u{2079} nN)");
         let small = axis("Left", [-3e-7, 3e-7]);
-        assert_eq!(small.title(), "Left (\u{d7}10\u{207b}\u{2079})");
+        assert_eq!(small.title(), "Left (\u{d7}10\u{2c9}\u{2079})");
+        assert!(small.title().chars().all(super::super::font::has));
         let time = Axis::time([0.0, 4e5]);
         assert_eq!(
             (time.title().as_str(), time.ticks().nth(1).unwrap().1.as_str()),

@@ -113,7 +113,9 @@ pub fn fit(curves: &[DrawnFit], profiles: &[LikelihoodProfile]) -> Result<Figure
             let colour = if curve.used[frame] { MEASURED } else { TENSION };
             let value = curve.measured[frame];
             if value.is_finite() {
-                sheet.point(above.at([*time, value]), 1.5, colour);
+                // One beyond the scale is drawn at its end.
+                let [low, high] = above.y.range;
+                sheet.point(above.at([*time, value.clamp(low, high)]), 1.5, colour);
             }
             let off = value - curve.fitted[frame];
             if off.is_finite() && (below.y.range[0]..=below.y.range[1]).contains(&off) {
@@ -230,15 +232,14 @@ fn fitted(curve: &DrawnFit) -> Curve {
 
 /// A curve and, below it, its residual.
 fn pair(curve: &DrawnFit, top: f64) -> Result<[Chart; 2], FigureError> {
-    let values = ends(curve.measured.iter().chain(&curve.fitted).copied());
+    // Frames that were not used do not determine the scale.
+    let counts = || curve.measured.iter().zip(&curve.fitted).zip(&curve.used).filter(|it| *it.1);
+    let values = ends(curve.fitted.iter().copied().chain(counts().map(|it| *it.0.0)));
     let times = ends(curve.times_ms.iter().copied());
     if !(values[0].is_finite() && times[1] > times[0]) {
         return Err(FigureError::NoSamples { what: curve.label.clone() });
     }
-    // Frames that were not used do not determine the scale.
-    let counted =
-        curve.measured.iter().zip(&curve.fitted).zip(&curve.used).filter(|(_, used)| **used);
-    let off = ends(counted.map(|((measured, fitted), _)| (measured - fitted).abs()));
+    let off = ends(counts().map(|((measured, fitted), _)| (measured - fitted).abs()));
     let reach = off[1].max(2.5 * curve.noise);
     let left = match curve.unit.as_str() {
         "" => "Residual".to_owned(),

@@ -23,6 +23,12 @@ pub(super) fn text_width(text: &str, size: u32) -> f64 {
     })
 }
 
+/// Whether a character can be drawn.
+#[cfg(test)]
+pub(super) fn has(character: char) -> bool {
+    face(false).is_some_and(|face| face.glyph_index(character).is_some())
+}
+
 /// The outlines of a text that starts at the origin (px, y downward) and its width; no outlines for
 /// blank text.
 pub(super) fn outlines(text: &str, size: u32, bold: bool) -> (Option<Path>, f64) {

@@ -3,6 +3,7 @@
 use super::answer::{Estimate, Fit, FitVerdict, FittedCurve, Verdict};
 use super::observed::Scale;
 use super::unknown::Unknown;
+use crate::analysis::curve::clipped;
 use crate::cell::CellModel;
 
 /// The largest number of left-out stretches that are listed.
@@ -112,9 +113,12 @@ fn of_frames(fit: &Fit) -> Vec<String> {
     let bad: usize =
         fit.curves.iter().map(|curve| curve.used.iter().filter(|used| !**used).count()).sum();
     if bad > 0 {
-        words.push(format!("{bad} single bad frames were left out"));
+        let frames = if bad == 1 { "frame was" } else { "frames were" };
+        words.push(format!("{bad} single bad {frames} left out"));
     }
     words.extend(fit.curves.iter().filter_map(left_out));
+    let found = |curve: &FittedCurve| Some(clipped(&curve.measured)?.words(&curve.unit));
+    words.extend(fit.curves.iter().filter_map(found));
     words
 }
 

@@ -52,8 +52,8 @@ impl TensionMap {
         format!(
             "This film does not show where the cell pulls: in {:.0} % of the cell the standard deviation is above \
             half of the tension and a quarter of its mean. The uniform tension that fits the film best is {:.1} kPa, the mean of a map would \
-            be {:.1} kPa. Try larger subsets, a sharper film, one that shows the whole cell, or the true support of \
-            the cell.",
+            be {:.1} kPa. Try smoother fibres (--fibre-smoothing \"12 um\"), larger subsets, a sharper film, one that shows \
+            the whole cell, or the true support of the cell.",
             100.0 * self.doubtful_part(),
             self.even_kpa,
             self.mean_kpa

@@ -104,9 +104,15 @@ impl Pulled {
 
     /// The film: 8 bits, grey values as those of the scene's own film.
     pub(crate) fn film(&self) -> Film {
+        Film::read(self.bytes(1), &Selection::default()).unwrap()
+    }
+
+    /// The bytes of the film with so many equal beats.
+    pub(crate) fn bytes(&self, beats: usize) -> Vec<u8> {
         let mesh = self.mesh(TRUE_SPACING);
         let [width, height] = self.scene.size();
         let mut bytes = format!("YUV4MPEG2 W{width} H{height} F50:1 Cmono\n").into_bytes();
+        let head = bytes.len();
         for frame in 0..self.frames.len() {
             let field = Field::new(&mesh, &self.moved(&mesh, &self.truth_in(&mesh, frame)));
             let mut random = Random(self.scene.seed * 7919 + frame as u64);
@@ -120,7 +126,9 @@ impl Pulled {
                 }
             }
         }
-        Film::read(bytes, &Selection::default()).unwrap()
+        let beat = bytes.split_off(head);
+        bytes.extend(beat.repeat(beats));
+        bytes
     }
 
     /// The motion of a mesh of the cell through its film.
