@@ -80,10 +80,10 @@ fn the_true_tension_lies_in_its_band_whatever_the_frame_rate_and_the_noise() {
 
 #[test]
 fn the_true_peak_lies_in_its_interval() {
+    const CELLS: u64 = 20;
     let (simulation, truth) = Truth::of("coelho_2021", SupportKind::MassCentre);
     let fitter = Fitter::of_tension(simulation).unwrap();
     let (rate, noise) = (60.0, 0.03);
-    const CELLS: u64 = 20;
     let mut within = [0; 2];
     for seed in 0..CELLS {
         let covered = truth.peak_is_covered(&fitter, rate, noise, 1000 + seed);
