@@ -257,15 +257,29 @@ fn what_cannot_be_fitted_is_said_with_how_to_mend_it() {
     assert!(said(&["--bounds", "c_0"]).contains("--bounds c_0=0.01:0.05"));
     assert!(said(&["--support", "clamped-ends"]).contains("the ends of this cell are held"));
     assert!(said(&["--loaded", "cell.csv"]).contains("100 nN/um=fibres.csv"));
-    let output = myospring(folder.path(), &["fit", "cell.csv"]);
+    let output = myospring(folder.path(), &["fit"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("myospring fit --to cell.csv"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("myospring fit cell.csv"), "{}", stderr(&output));
     let still: String =
         (0..99).fold("t_ms,length_um".to_owned(), |text, t| text + &format!("\n{t},100"));
     fs::write(folder.path().join("cell.csv"), still).unwrap();
     assert!(said(&[]).contains("there is no beat"));
     let results = folder.path().join("results");
     assert!(!results.exists() || names(&results).is_empty(), "nothing is left behind");
+}
+
+#[test]
+fn a_table_alone_is_the_curve() {
+    let folder = tempfile::tempdir().unwrap();
+    measured(folder.path(), 1);
+    let numbers = |command: &[&str]| {
+        let output = myospring(folder.path(), &[command, &["--json", "--force"]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        stdout(&output)
+    };
+    let model = ["--model", "coelho_2021", "--output", "fitted"];
+    let alone = numbers(&[&["fit", "cell.csv"][..], &model].concat());
+    assert_eq!(alone, numbers(&[&["fit", "--to", "cell.csv"][..], &model].concat()));
 }
 
 #[test]
