@@ -5,6 +5,7 @@
 mod bench;
 mod licences;
 mod python;
+mod site;
 mod test;
 mod tools;
 mod verify;
@@ -23,6 +24,7 @@ Commands:
   verify       Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
   bench        Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
   web          Build the page: one HTML file with the engine inside, target/web/myospring.html
+  site         Build the page, the documentation with a search, and the API as a web site, target/site
   licences     Collect the licences that wheels and archives carry
   figures      Make pictures and film of README and documentation anew with the program itself
   help         This text
@@ -35,6 +37,7 @@ fn main() -> ExitCode {
         Some("verify") => verify::run(std::env::args().skip(2).collect()),
         Some("bench") => bench::run(std::env::args().skip(2).collect()),
         Some("web") => web::run(),
+        Some("site") => site::run(),
         Some("licences") => licences::run(),
         Some("figures") => figures(),
         Some("help" | "--help" | "-h") => {
