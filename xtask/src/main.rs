@@ -70,11 +70,14 @@ fn figures() -> Result<(), String> {
     }
     test::page::installed()?;
     let browser = test::page::chromium()?;
-    let mut command = Command::new("node");
-    command
-        .arg("picture.js")
-        .arg(beat.join("report.html"))
-        .arg(root().join("docs/pictures/report.png"));
-    command.current_dir(test::page::folder()).envs(browser.map(|path| ("CHROMIUM", path)));
-    step("the picture of a report", command)
+    web::run()?;
+    let page = tools::target().join("web/myospring.html");
+    for (shown, picture) in [(beat.join("report.html"), "report.png"), (page, "page.png")] {
+        let mut command = Command::new("node");
+        command.arg("picture.js").arg(shown).arg(root().join("docs/pictures").join(picture));
+        command.current_dir(test::page::folder());
+        command.envs(browser.as_ref().map(|path| ("CHROMIUM", path)));
+        step(picture, command)?;
+    }
+    Ok(())
 }

@@ -25,6 +25,7 @@ export function stepsOf(text) {
   return parts.map((part) => {
     const [heading, ...blocks] = part.trim().split(/\n{2,}/);
     const paragraphs = blocks.map((block) => block.replaceAll("\n", " "));
+    /** @type {Record<string, Record<string, Value>>[]} */
     const settings = paragraphs.flatMap((block) => TRY.exec(block)?.[1] ?? []).map((json) => JSON.parse(json));
     return {
       title: heading.replace(/^\d+\. /, ""),
