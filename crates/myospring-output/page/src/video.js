@@ -7,9 +7,9 @@ export const VIDEOS = /\.(mp4|m4v|mov|webm|mkv|ogv)$/i;
 export const JPEGS = /\.jpe?g$/i;
 
 /** Largest film, bytes of its grey values. */
-const LARGEST = 500e6;
+const MOST_GREY = 500e6;
 /** First step in search of the second frame, s, and how long a frame may take to appear, ms. */
-const STEP = 1 / 240;
+const FIRST_STEP = 1 / 240;
 const WAIT = 300;
 /** Where in a frame's time it is asked for, and from what part of the usual interval on a frame may be missing before the next one. */
 const WITHIN = 0.3;
@@ -61,13 +61,13 @@ async function framesOf(video, name, tell) {
     const last = frames.at(-1)?.time ?? -Infinity;
     if (shown === null || shown <= last + 1e-6) return null;
     context.drawImage(video, 0, 0);
-    if ((frames.length + 1) * width * height > LARGEST) throw new Error(`${name} has more than ${LARGEST / 1e6} MB of grey values; this page follows shorter films, the program longer ones`);
+    if ((frames.length + 1) * width * height > MOST_GREY) throw new Error(`${name} has more than ${MOST_GREY / 1e6} MB of grey values; this page follows shorter films, the program longer ones`);
     frames.push({ time: shown, grey: greyOf(context.getImageData(0, 0, width, height).data) });
     return shown;
   };
   await take(0);
   let usual = 0;
-  for (let time = STEP; time < duration && usual === 0; time += STEP) {
+  for (let time = FIRST_STEP; time < duration && usual === 0; time += FIRST_STEP) {
     if ((await take(time)) !== null) usual = frames[1].time - frames[0].time;
   }
   if (usual === 0) throw new Error(`${name} has one frame`);
