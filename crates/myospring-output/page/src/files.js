@@ -21,6 +21,10 @@ const OUTLINES = /\.(geojson|json|roi|zip)$/i;
 /** What is said of a JPEG. */
 const OF_JPEG = "It is a JPEG, whose compression smears edges and makes blocks of eight pixels: the outline and the fibres are less sure than those of a PNG or TIFF.";
 
+/** The run file in the data of a report, as JSON, and what names a file. */
+const RUN_FILE = /"file":"run\.toml","text":("(?:[^"\\]|\\.)*")/;
+const FILE = /\.(png|tiff?|csv|txt|tsv|xlsx|geojson|json|roi|zip|mmt|cellml)$/i;
+
 /** @typedef {"picture" | "outline" | "film" | "curves" | "run" | "model" | "report"} Kind */
 
 /**
@@ -103,7 +107,8 @@ export class Files {
     if (this.#doing.failed(held)) return;
     const kind = await this.#kind(read.name);
     if (kind === null) return;
-    await this.#use(read.name, kind);
+    if (kind === "report") await this.#report(read.name, new TextDecoder().decode(read.bytes));
+    else await this.#use(read.name, kind);
     if (JPEGS.test(name)) this.#outlines.remark = OF_JPEG;
   }
 
@@ -151,9 +156,21 @@ export class Files {
     return PICTURES.test(name) && answer.kind !== "film" ? "picture" : answer.kind;
   }
 
-  /** @param {string} name @param {Kind} kind */
+  /** Shows a report, and sets its run up, if that needs no other file. @param {string} name @param {string} text */
+  async #report(name, text) {
+    if ((await this.#doing.show({ ask: "open", name })) === null) return;
+    const run = RUN_FILE.exec(text)?.[1];
+    if (run === undefined) return;
+    const file = `${name}.toml`;
+    await this.#engine.ask({ ask: "hold", name: file }, new TextEncoder().encode(JSON.parse(run)));
+    const { settings } = await this.#engine.ask({ ask: "settings", name: file });
+    const isFile = (/** @type {Value} */ value) => typeof value === "string" && FILE.test(value);
+    if (settings === undefined || Object.values(settings).some(isFile)) return;
+    this.#form.takeSettings(settings, name.replace(/\.html?$/i, ""));
+  }
+
+  /** @param {string} name @param {Exclude<Kind, "report">} kind */
   async #use(name, kind) {
-    if (kind === "report") return void (await this.#doing.show({ ask: "open", name }));
     if (kind === "film" || kind === "curves") {
       this.#measured.take(name, kind === "film");
       return void this.#measured.dispatchEvent(new Event("read"));
