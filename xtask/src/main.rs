@@ -5,6 +5,7 @@
 mod bench;
 mod licences;
 mod python;
+mod site;
 mod test;
 mod tools;
 mod verify;
@@ -23,6 +24,7 @@ Commands:
   verify       Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
   bench        Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
   web          Build the page: one HTML file with the engine inside, target/web/myospring.html
+  site         Build the page, the documentation with a search, and the API as a web site, target/site
   licences     Collect the licences that wheels and archives carry
   figures      Make pictures and film of README and documentation anew with the program itself
   help         This text
@@ -35,6 +37,7 @@ fn main() -> ExitCode {
         Some("verify") => verify::run(std::env::args().skip(2).collect()),
         Some("bench") => bench::run(std::env::args().skip(2).collect()),
         Some("web") => web::run(),
+        Some("site") => site::run(),
         Some("licences") => licences::run(),
         Some("figures") => figures(),
         Some("help" | "--help" | "-h") => {
@@ -67,11 +70,14 @@ fn figures() -> Result<(), String> {
     }
     test::page::installed()?;
     let browser = test::page::chromium()?;
-    let mut command = Command::new("node");
-    command
-        .arg("picture.js")
-        .arg(beat.join("report.html"))
-        .arg(root().join("docs/pictures/report.png"));
-    command.current_dir(test::page::folder()).envs(browser.map(|path| ("CHROMIUM", path)));
-    step("the picture of a report", command)
+    web::run()?;
+    let page = tools::target().join("web/myospring.html");
+    for (shown, picture) in [(beat.join("report.html"), "report.png"), (page, "page.png")] {
+        let mut command = Command::new("node");
+        command.arg("picture.js").arg(shown).arg(root().join("docs/pictures").join(picture));
+        command.current_dir(test::page::folder());
+        command.envs(browser.as_ref().map(|path| ("CHROMIUM", path)));
+        step(picture, command)?;
+    }
+    Ok(())
 }

@@ -1,4 +1,5 @@
-// The picture of a report in the documentation: `node picture.js report.html report.png`, with CHROMIUM as in the tests.
+// The picture of a report, or of the page that simulates, in the documentation: `node picture.js report.html report.png`, with CHROMIUM
+// as in the tests.
 
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
@@ -11,6 +12,8 @@ const page = await browser.newPage({
   reducedMotion: "reduce",
 });
 await page.goto(pathToFileURL(report).href);
+// The page that simulates has colours once its first beat is there.
+await page.waitForSelector("#field option", { state: "attached", timeout: 60_000 });
 await page.selectOption("#field", "displacement");
 await page.fill("#time", "150");
 await page.locator("#time").blur();

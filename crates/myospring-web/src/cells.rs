@@ -4,7 +4,9 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use myospring::experiment::{ExperimentError, Files};
 use myospring::microscopy::cells::PictureCells;
+use myospring::microscopy::picture::PixelSize;
 use myospring::microscopy::plane::Plane;
+use myospring::microscopy::read::read_picture;
 use myospring::microscopy::segment::Choice;
 use myospring::settings::{Run, Source};
 use serde::Serialize;
@@ -19,7 +21,8 @@ const CLIPPED: f64 = 0.002;
 pub(crate) struct ShownCells {
     /// Columns and rows of the picture.
     size: [usize; 2],
-    pixel_size_um: f64,
+    /// `None` where nothing says it; then no cell was sought.
+    pixel_size_um: Option<f64>,
     /// Grey values of the picture as it is shown, one of each `every` columns and rows.
     grey: String,
     every: usize,
@@ -50,22 +53,34 @@ impl ShownCells {
             return Err(ExperimentError::new("there is no picture"));
         };
         let bytes = shape.bytes(|file| files.bytes(file))?;
-        let all = source.cells(&bytes)?;
-        let taken = all.cell(source.choice, source.allow_cut);
-        let (taken, refused) = match taken {
-            Ok(cell) => (Some(cell.number), all.impossible_size(&cell, false)),
-            Err(why) => (None, Some(source.failed(why).to_string())),
+        // As it is: with its scale bar, which is no part of a cell.
+        let picture = read_picture(&bytes.shape, &source.options.selection);
+        let (all, why) = match source.cells(&bytes) {
+            Ok(all) => (Some(all), None),
+            Err(why) => (None, Some(why)),
         };
-        let every = all.plane.width().max(all.plane.height()).div_ceil(LONGEST).max(1);
+        let plane = match (picture, &why) {
+            (Ok(picture), _) => picture.plane,
+            (Err(_), Some(why)) => return Err(ExperimentError::new(why)),
+            (Err(why), None) => return Err(ExperimentError::new(why)),
+        };
+        let taken = all.as_ref().map(|all| (all, all.cell(source.choice, source.allow_cut)));
+        let (taken, refused) = match taken {
+            Some((all, Ok(cell))) => (Some(cell.number), all.impossible_size(&cell, false)),
+            Some((_, Err(why))) => (None, Some(source.failed(why).to_string())),
+            None => (None, why.map(|why| why.to_string())),
+        };
+        let every = plane.width().max(plane.height()).div_ceil(LONGEST).max(1);
+        let scale = all.as_ref().map(|all| all.pixel_size).or(source.options.pixel_size);
         Ok(Self {
-            size: [all.plane.width(), all.plane.height()],
-            pixel_size_um: all.pixel_size.um(),
-            grey: STANDARD.encode(grey(&all.plane, every)),
+            size: [plane.width(), plane.height()],
+            pixel_size_um: scale.map(PixelSize::um),
+            grey: STANDARD.encode(grey(&plane, every)),
             every,
-            cells: cells(&all)?,
+            cells: all.as_ref().map_or_else(|| Ok(Vec::new()), cells)?,
             taken,
             refused,
-            notes: all.notes.clone(),
+            notes: all.map(|all| all.notes).unwrap_or_default(),
         })
     }
 }

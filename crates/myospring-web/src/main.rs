@@ -4,6 +4,9 @@ use myospring::output::page;
 use std::error::Error;
 use std::fs;
 
+/// The tutorial for students, whose steps are the tour of the page.
+const TOUR: &str = include_str!("../../../docs/tutorials/six-questions.md");
+
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [engine, unpacker, target] = &arguments[..] else {
@@ -12,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     };
     let packed = packed(&fs::read(engine)?)?;
-    Ok(fs::write(target, page::around_engine(&packed, &fs::read(unpacker)?))?)
+    Ok(fs::write(target, page::around_engine(&packed, &fs::read(unpacker)?, TOUR))?)
 }
 
 /// As a `.lzma` file.

@@ -4,6 +4,7 @@ import { find, make } from "./elements.js";
 import { FILMS, TABLES } from "./measured.js";
 import { OutlineView } from "./outline.js";
 import { drawn, SAMPLES, PIXEL_UM } from "./samples.js";
+import { asPng, greyFilm, JPEGS, VIDEOS } from "./video.js";
 
 /** @import { Engine } from "./engine.js" */
 /** @import { Form } from "./form.js" */
@@ -13,9 +14,16 @@ import { drawn, SAMPLES, PIXEL_UM } from "./samples.js";
 /** The largest file that is read, bytes. */
 const LARGEST = 500e6;
 
-const PICTURES = /\.(png|tiff?|jpe?g)$/i;
+const PICTURES = /\.(png|tiff?)$/i;
 const MODELS = /\.(mmt|cellml)$/i;
 const OUTLINES = /\.(geojson|json|roi|zip)$/i;
+
+/** What is said of a JPEG. */
+const OF_JPEG = "It is a JPEG, whose compression smears edges and makes blocks of eight pixels: the outline and the fibres are less sure than those of a PNG or TIFF.";
+
+/** The run file in the data of a report, as JSON, and what names a file. */
+const RUN_FILE = /"file":"run\.toml","text":("(?:[^"\\]|\\.)*")/;
+const FILE = /\.(png|tiff?|csv|txt|tsv|xlsx|geojson|json|roi|zip|mmt|cellml)$/i;
 
 /** @typedef {"picture" | "outline" | "film" | "curves" | "run" | "model" | "report"} Kind */
 
@@ -40,6 +48,9 @@ export class Files {
   #pixelPlace = find("pixel-place", HTMLElement);
   #pixelSize = find("pixel-size", HTMLInputElement);
   #outlines = new OutlineView();
+  #bar = find("bar-length", HTMLInputElement);
+  /** Length of a line over a scale bar, pixels. */
+  #barPixels = 0;
   /** Settings of the picture that is the cell. @type {Record<string, Value>} */
   #picture = {};
 
@@ -50,6 +61,8 @@ export class Files {
     this.#measured = measured;
     this.#doing = doing;
     this.#input.addEventListener("change", () => this.#take(this.#input.files?.[0]));
+    // The same file may be chosen again.
+    this.#input.addEventListener("click", () => (this.#input.value = ""));
     this.#pixelSize.addEventListener("change", () => this.#change({ "shape.pixel_size": `${this.#pixelSize.value} um` }));
     const cut = find("allow-cut", HTMLInputElement);
     cut.addEventListener("change", () => this.#change({ "segmentation.allow_cut": cut.checked }));
@@ -61,6 +74,8 @@ export class Files {
     this.#outlines.addEventListener("choose", (event) => this.#change({ "segmentation.cell": /** @type {CustomEvent} */ (event).detail }));
     this.#outlines.addEventListener("edited", () => this.#edit());
     this.#outlines.addEventListener("painted", (event) => this.#trace(/** @type {CustomEvent} */ (event).detail));
+    this.#outlines.addEventListener("measured", (event) => this.#measure(/** @type {CustomEvent} */ (event).detail));
+    this.#bar.addEventListener("change", () => this.#scale());
     for (const button of document.querySelectorAll("[data-outline]")) {
       button.addEventListener("click", () => doing.save({ ask: "outline", settings: this.#picture, name: button.getAttribute("data-outline") ?? "" }));
     }
@@ -82,14 +97,37 @@ export class Files {
       const message = `${name} has ${(size / 1e6).toFixed(0)} MB; this page reads files of at most ${LARGEST / 1e6} MB.`;
       return this.#doing.fail({ message, advice: "The program reads larger ones." });
     }
-    if (!/\.(toml|html?)$/i.test(name) && ![PICTURES, OUTLINES, FILMS, TABLES, MODELS].some((kind) => kind.test(name))) {
-      const advice = "Give a picture (.png, .tif), an outline (.geojson, .roi), a curve (.csv, .xlsx), a film (.avi, .tif, .y4m), a cell model (.mmt, .cellml), a run file (.toml) or a report (.html).";
+    if (!/\.(toml|html?)$/i.test(name) && ![PICTURES, JPEGS, OUTLINES, FILMS, VIDEOS, TABLES, MODELS].some((kind) => kind.test(name))) {
+      const advice = "Give a picture (.png, .tif), an outline (.geojson, .roi), a curve (.csv, .xlsx), a film (.avi, .tif, .y4m, .mp4, .webm), a cell model (.mmt, .cellml), a run file (.toml) or a report (.html).";
       return this.#doing.fail({ message: `${name} is of a kind that this page does not read.`, advice });
     }
-    const held = await this.#engine.ask({ ask: "hold", name }, new Uint8Array(await file.arrayBuffer()));
+    const read = await this.#read(file);
+    if (read === null) return;
+    const held = await this.#engine.ask({ ask: "hold", name: read.name }, read.bytes);
     if (this.#doing.failed(held)) return;
-    const kind = await this.#kind(name);
-    if (kind !== null) await this.#use(name, kind);
+    const kind = await this.#kind(read.name);
+    if (kind === null) return;
+    if (kind === "report") await this.#report(read.name, new TextDecoder().decode(read.bytes));
+    else await this.#use(read.name, kind);
+    if (JPEGS.test(name)) this.#outlines.remark = OF_JPEG;
+  }
+
+  /** A file as the engine reads it; what only the browser decodes becomes another file. @param {File} file */
+  async #read(file) {
+    const stem = file.name.replace(/\.[^.]*$/, "");
+    const state = find("state", HTMLElement);
+    try {
+      if (VIDEOS.test(file.name)) {
+        const bytes = await greyFilm(file, (done, of) => (state.textContent = `Decoding ${file.name}: ${done.toFixed(1)} of ${of.toFixed(1)} s.`));
+        return { name: `${stem}.y4m`, bytes };
+      }
+      if (JPEGS.test(file.name)) return { name: `${stem}.png`, bytes: await asPng(file) };
+      return { name: file.name, bytes: new Uint8Array(await file.arrayBuffer()) };
+    } catch (error) {
+      const message = `${/** @type {Error} */ (error).message}.`;
+      this.#doing.fail({ message, advice: `Convert it: ffmpeg -i ${file.name} -pix_fmt gray ${stem}${VIDEOS.test(file.name) ? ".y4m" : ".png"}` });
+      return null;
+    }
   }
 
   /** Takes a made-up picture. @param {string} name */
@@ -112,15 +150,27 @@ export class Files {
     if (MODELS.test(name)) return "model";
     if (FILMS.test(name)) return "film";
     if (OUTLINES.test(name)) return "outline";
-    if (/\.(png|jpe?g)$/i.test(name)) return "picture";
+    if (/\.png$/i.test(name)) return "picture";
     const answer = await this.#engine.ask({ ask: "kind", name });
     if (this.#doing.failed(answer) || answer.kind === undefined) return null;
     return PICTURES.test(name) && answer.kind !== "film" ? "picture" : answer.kind;
   }
 
-  /** @param {string} name @param {Kind} kind */
+  /** Shows a report, and sets its run up, if that needs no other file. @param {string} name @param {string} text */
+  async #report(name, text) {
+    if ((await this.#doing.show({ ask: "open", name })) === null) return;
+    const run = RUN_FILE.exec(text)?.[1];
+    if (run === undefined) return;
+    const file = `${name}.toml`;
+    await this.#engine.ask({ ask: "hold", name: file }, new TextEncoder().encode(JSON.parse(run)));
+    const { settings } = await this.#engine.ask({ ask: "settings", name: file });
+    const isFile = (/** @type {Value} */ value) => typeof value === "string" && FILE.test(value);
+    if (settings === undefined || Object.values(settings).some(isFile)) return;
+    this.#form.takeSettings(settings, name.replace(/\.html?$/i, ""));
+  }
+
+  /** @param {string} name @param {Exclude<Kind, "report">} kind */
   async #use(name, kind) {
-    if (kind === "report") return void (await this.#doing.show({ ask: "open", name }));
     if (kind === "film" || kind === "curves") {
       this.#measured.take(name, kind === "film");
       return void this.#measured.dispatchEvent(new Event("read"));
@@ -157,6 +207,22 @@ export class Files {
     find("allow-cut", HTMLInputElement).checked = false;
     this.#builtIn.hidden = this.#pixelPlace.hidden = true;
     this.#outlines.hide();
+  }
+
+  /** Asks how long a scale bar is. @param {number} pixels */
+  #measure(pixels) {
+    if (pixels < 2) return;
+    this.#barPixels = pixels;
+    find("bar-place", HTMLElement).hidden = false;
+    this.#bar.focus();
+  }
+
+  /** The size of a pixel, by a scale bar. */
+  #scale() {
+    if (!(this.#bar.valueAsNumber > 0)) return;
+    this.#pixelSize.value = String(Number((this.#bar.valueAsNumber / this.#barPixels).toPrecision(4)));
+    find("bar-place", HTMLElement).hidden = true;
+    this.#pixelSize.dispatchEvent(new Event("change"));
   }
 
   /** Reads the picture in another way. @param {Record<string, Value>} settings */

@@ -1,6 +1,7 @@
-// A picture with the outlines of its cells: one is chosen, its points are moved, a brush adds and takes away.
+// A picture with the outlines of its cells: one is chosen, its points are moved, a brush adds and takes away, a scale bar is measured.
 
 import { draw, find, make } from "./elements.js";
+import { inWordsOfPage } from "./measured.js";
 
 /** @import { ShownCell, ShownCells } from "./requests.js" */
 
@@ -12,8 +13,8 @@ const MOST_POINTS = 60;
 const RADIUS = 6;
 
 /**
- * Fires `choose` with the number of a cell, `edited` once the outline has other points, and `painted` with a PNG of the cell's mask after
- * a stroke of the brush.
+ * Fires `choose` with the number of a cell, `edited` once the outline has other points, `painted` with a PNG of the cell's mask after
+ * a stroke of the brush, and `measured` with the length of a line over a scale bar, pixels.
  */
 export class OutlineView extends EventTarget {
   #section = find("shown-cells", HTMLElement);
@@ -28,6 +29,8 @@ export class OutlineView extends EventTarget {
   #rings = [];
   /** @type {Rings[]} */
   #before = [];
+  /** What is said of the picture besides. */
+  #remark = "";
 
   constructor() {
     super();
@@ -54,6 +57,12 @@ export class OutlineView extends EventTarget {
     return { every: this.#picture?.every ?? 1, pixelSize: this.#picture?.pixel_size_um ?? 1 };
   }
 
+  /** Says something of the picture besides, until it is hidden. @param {string} words */
+  set remark(words) {
+    this.#remark = words;
+    this.#draw();
+  }
+
   /** Shows a picture. @param {ShownCells} picture */
   show(picture) {
     this.#picture = picture;
@@ -78,7 +87,7 @@ export class OutlineView extends EventTarget {
   }
 
   hide() {
-    this.#picture = null;
+    [this.#picture, this.#remark] = [null, ""];
     this.#section.hidden = true;
   }
 
@@ -124,7 +133,8 @@ export class OutlineView extends EventTarget {
     const found = cells.length === 1 ? "One cell was found." : `${cells.length} cells were found; a click takes another.`;
     const doubts = one === undefined ? "" : one.reasons.map((reason) => ` ${reason}.`).join("");
     const isEdited = one !== undefined && this.#rings !== one.rings;
-    this.#words.textContent = isEdited ? "The outline is your own now: no confidence is stated for it." : refused ?? (one === undefined ? found : `${found} ${aboutOf(one)}.${doubts}`);
+    const words = isEdited ? "The outline is your own now: no confidence is stated for it." : (refused === null ? null : inWordsOfPage(refused)) ?? (one === undefined ? found : `${found} ${aboutOf(one)}.${doubts}`);
+    this.#words.textContent = `${words} ${this.#remark}`.trim();
   }
 
   /** Handles of the outer ring. */
@@ -176,14 +186,16 @@ export class OutlineView extends EventTarget {
   /** A stroke of the brush. @param {PointerEvent} begin */
   #paint(begin) {
     const tool = this.#tool;
-    if (tool !== "add" && tool !== "take") return;
+    if (tool !== "add" && tool !== "take" && tool !== "bar") return;
     const svg = this.#svg;
-    const width = (Number(this.#brush.value) * (this.#picture?.size[0] ?? 1)) / svg.getBoundingClientRect().width;
-    const stroke = [this.#at(begin)];
+    const perPixel = (this.#picture?.size[0] ?? 1) / svg.getBoundingClientRect().width;
+    const width = perPixel * (tool === "bar" ? 2 : Number(this.#brush.value));
+    let stroke = [this.#at(begin)];
     const line = draw("polyline", { "stroke-width": width });
     svg.append(line);
     const go = (/** @type {Event} */ event) => {
-      stroke.push(this.#at(/** @type {PointerEvent} */ (event)));
+      const to = this.#at(/** @type {PointerEvent} */ (event));
+      stroke = tool === "bar" ? [stroke[0], to] : [...stroke, to];
       line.setAttribute("points", stroke.join(" "));
     };
     svg.setPointerCapture(begin.pointerId);
@@ -191,7 +203,9 @@ export class OutlineView extends EventTarget {
     const end = () => {
       svg.removeEventListener("pointermove", go);
       line.remove();
-      this.#mask(stroke, width, tool === "add");
+      const [[x, y], [toX, toY]] = [stroke[0], stroke[stroke.length - 1]];
+      if (tool === "bar") this.dispatchEvent(new CustomEvent("measured", { detail: Math.hypot(toX - x, toY - y) }));
+      else this.#mask(stroke, width, tool === "add");
     };
     svg.addEventListener("pointerup", end, { once: true });
   }

@@ -65,7 +65,8 @@ export interface Answer {
 /** A picture with its cells, in columns and rows of the picture. */
 export interface ShownCells {
   size: [number, number];
-  pixel_size_um: number;
+  /** Null where nothing says it; then no cell was sought. */
+  pixel_size_um: number | null;
   /** Grey values in base64, one of each `every` columns and rows. */
   grey: string;
   every: number;

@@ -7,6 +7,7 @@ import { Form } from "./form.js";
 import { keptIn, linkOf } from "./link.js";
 import { inWordsOfPage, madeUp, Measured } from "./measured.js";
 import { setUpPrinting } from "./paper.js";
+import { Tour } from "./tour.js";
 import { showPage } from "./whole.js";
 
 /** @import { Answer, Failure, Request, Results, Setup } from "./requests.js" */
@@ -79,6 +80,7 @@ async function start() {
   }
   setUpMeasured(engine, form, measured);
   new Files(engine, form, measured, { failed, fail, show: (request) => show(engine, request), save: (request) => save(engine, request) });
+  new Tour(form);
   find("save-all", HTMLButtonElement).addEventListener("click", () => work(engine, { ask: "save-all" }, "Saving"));
   find("link", HTMLButtonElement).addEventListener("click", () => link(form));
   if (!(await taken(engine, form))) want(engine, form.setup);

@@ -2,14 +2,17 @@
 
 import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
-import { readFile, writeFile } from "node:fs/promises";
+import { readdir, readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { test } from "node:test";
 import { promisify } from "node:util";
 import { engine, run } from "./engine.js";
 import { folder, numbersIn, payloadOf } from "./program.js";
 
-/** @import { Answer } from "../src/requests.js" */
+/** @import { Answer, Request } from "../src/requests.js" */
+
+/** The example run files of the project. */
+const EXAMPLES = join(import.meta.dirname, "../../../../examples");
 
 /** What rounding explains: exp and tanh differ in the last digits. Of the value, or in its unit where that is below 1. */
 const TOLERANCE = 1e-9;
@@ -38,30 +41,57 @@ const SETUPS = [
   ["parameters", { "cell.parameters": { tau_si: 1.5 } }],
 ];
 
+/**
+ * Compares the numbers of a run with those of the program, which runs the file that the page saves.
+ *
+ * @param {(request: Request, bytes?: Uint8Array) => Answer} ask
+ * @param {string} name
+ * @param {Record<string, any>} settings
+ */
+async function compared(ask, name, settings) {
+  const own = numbersIn(pageOf(ask(run(settings))));
+  const file = join(folder, `${name}.toml`);
+  await writeFile(file, textOf(ask({ ask: "save", what: "run" })));
+  const output = join(folder, name);
+  const args = ["run", file, "--quiet", "--outputs", "report", "--output", output];
+  await promisify(execFile)(process.env.MYOSPRING ?? "", args);
+  const theirs = numbersIn(await payloadOf(join(output, "report.html")));
+  assert.deepEqual([...own.keys()], [...theirs.keys()]);
+  assert.ok(own.size > 10, name);
+  for (const [quantity, [value]] of own) {
+    const [expected] = theirs.get(quantity) ?? [];
+    if (typeof value !== "number" || typeof expected !== "number") {
+      assert.deepEqual(value, expected, `${name}: ${quantity}`);
+      continue;
+    }
+    const off = Math.abs(value - expected) / Math.max(Math.abs(expected), 1);
+    assert.ok(off <= TOLERANCE, `${name}: ${quantity} is ${value}, of the program ${expected}`);
+  }
+  // The curves have as many digits as the program writes.
+  const [curves, written] = [textOf(ask({ ask: "save", what: "traces" })), await readFile(join(output, "traces.csv"), "utf8")];
+  assert.equal(curves.split("\n").length, written.split("\n").length);
+}
+
 test("the program gives the same numbers from the run file that the page saves", async () => {
   const { ask } = await engine();
-  for (const [name, settings] of SETUPS) {
-    const own = numbersIn(pageOf(ask(run(settings))));
-    const file = join(folder, `${name}.toml`);
-    await writeFile(file, textOf(ask({ ask: "save", what: "run" })));
-    const output = join(folder, name);
-    const args = ["run", file, "--quiet", "--outputs", "report", "--output", output];
-    await promisify(execFile)(process.env.MYOSPRING ?? "", args);
-    const theirs = numbersIn(await payloadOf(join(output, "report.html")));
-    assert.deepEqual([...own.keys()], [...theirs.keys()]);
-    assert.ok(own.size > 20);
-    for (const [quantity, [value]] of own) {
-      const [expected] = theirs.get(quantity) ?? [];
-      if (typeof value !== "number" || typeof expected !== "number") {
-        assert.deepEqual(value, expected, `${name}: ${quantity}`);
-        continue;
-      }
-      const off = Math.abs(value - expected) / Math.max(Math.abs(expected), 1);
-      assert.ok(off <= TOLERANCE, `${name}: ${quantity} is ${value}, of the program ${expected}`);
-    }
-    // The curves have as many digits as the program writes.
-    const [curves, written] = [textOf(ask({ ask: "save", what: "traces" })), await readFile(join(output, "traces.csv"), "utf8")];
-    assert.equal(curves.split("\n").length, written.split("\n").length);
+  for (const [name, settings] of SETUPS) await compared(ask, name, settings);
+});
+
+test("each example run file gives the same numbers in the page and in the program", async () => {
+  const { ask } = await engine();
+  const names = await readdir(EXAMPLES);
+  for (const name of names.filter((name) => /\.(png|csv)$/.test(name))) {
+    const bytes = await readFile(join(EXAMPLES, name));
+    await writeFile(join(folder, name), bytes);
+    ask({ ask: "hold", name }, bytes);
+  }
+  const files = names.filter((name) => name.endsWith(".toml"));
+  assert.ok(files.length > 8);
+  for (const name of files) {
+    ask({ ask: "hold", name }, await readFile(join(EXAMPLES, name)));
+    const { settings, error } = ask({ ask: "settings", name });
+    assert.equal(error, undefined, `${name}: ${error?.message}`);
+    await compared(ask, name.replace(".toml", "_again"), settings ?? {});
   }
 });
 

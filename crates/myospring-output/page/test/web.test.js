@@ -335,20 +335,66 @@ test("what a curve does not say is asked for in the words of the page", async ()
   });
 });
 
-test("a film is followed, and says how far it is", async () => {
-  const [width, height, frames] = [200, 80, 12];
-  const film = [Buffer.from(`YUV4MPEG2 W${width} H${height} F20:1 Cmono\n`)];
-  for (let frame = 0; frame < frames; frame++) {
-    const stretch = 1 - 0.08 * Math.sin((Math.PI * frame) / (frames - 1)) ** 2;
-    const grey = Buffer.alloc(width * height);
-    for (let at = 0; at < grey.length; at++) {
-      const [x, y] = [((at % width) - width / 2) / stretch, Math.floor(at / width) - height / 2];
-      const isCell = Math.hypot(x / 75, y / 20) < 1;
-      const spots = Math.sin(0.9 * x + 0.2 * y) + 0.6 * Math.sin(0.31 * x - 0.7 * y) + 0.5 * Math.sin(0.17 * x + 0.43 * y);
-      grey[at] = isCell ? 150 + 30 * spots : 20;
+/** A film of a cell that beats once. */
+const [WIDTH, HEIGHT, FRAMES] = [200, 80, 12];
+
+/** Grey values of a frame. @param {number} frame */
+function beating(frame) {
+  const stretch = 1 - 0.08 * Math.sin((Math.PI * frame) / (FRAMES - 1)) ** 2;
+  return Array.from({ length: WIDTH * HEIGHT }, (_, at) => {
+    const [x, y] = [((at % WIDTH) - WIDTH / 2) / stretch, Math.floor(at / WIDTH) - HEIGHT / 2];
+    const spots = Math.sin(0.9 * x + 0.2 * y) + 0.6 * Math.sin(0.31 * x - 0.7 * y) + 0.5 * Math.sin(0.17 * x + 0.43 * y);
+    return Math.round(Math.hypot(x / 75, y / 20) < 1 ? 150 + 30 * spots : 20);
+  });
+}
+
+/** Frames as WebM (VP8, a key frame each, 20 a second), by the browser's own encoder. @param {Page} page @param {number[][]} frames */
+async function webm(page, frames) {
+  const bytes = await page.evaluate(async ({ width, height, frames }) => {
+    /** @type {Uint8Array[]} */
+    const coded = [];
+    const encoder = new VideoEncoder({
+      output: (chunk) => {
+        const data = new Uint8Array(chunk.byteLength);
+        chunk.copyTo(data);
+        coded.push(data);
+      },
+      error: (error) => {
+        throw error;
+      },
+    });
+    encoder.configure({ codec: "vp8", width, height, bitrate: 4e6, framerate: 20 });
+    for (const [at, grey] of frames.entries()) {
+      const data = Uint8Array.from(grey.flatMap((value) => [value, value, value, 255]));
+      const frame = new VideoFrame(data, { format: "RGBX", codedWidth: width, codedHeight: height, timestamp: 50_000 * at });
+      encoder.encode(frame, { keyFrame: true });
+      frame.close();
     }
-    film.push(Buffer.from("FRAME\n"), grey);
-  }
+    await encoder.flush();
+    const hex = (/** @type {string} */ id) => (id.match(/../g) ?? []).map((pair) => Number.parseInt(pair, 16));
+    const whole = (/** @type {number} */ value, bytes = 4) => Array.from({ length: bytes }, (_, at) => Math.floor(value / 256 ** (bytes - 1 - at)) % 256);
+    const text = (/** @type {string} */ value) => Array.from(value, (letter) => letter.charCodeAt(0));
+    const element = (/** @type {string} */ id, /** @type {number[]} */ ...data) => [...hex(id), 1, ...whole(data.length, 7), ...data];
+    const duration = [...new Uint8Array(new Float64Array([50 * frames.length]).buffer)].reverse();
+    const head = element("1a45dfa3", ...element("4286", 1), ...element("42f7", 1), ...element("42f2", 4), ...element("42f3", 8), ...element("4282", ...text("webm")), ...element("4287", 4), ...element("4285", 2));
+    const info = element("1549a966", ...element("2ad7b1", ...whole(1_000_000)), ...element("4489", ...duration));
+    const size = element("e0", ...element("b0", ...whole(width, 2)), ...element("ba", ...whole(height, 2)));
+    const track = element("1654ae6b", ...element("ae", ...element("d7", 1), ...element("73c5", 1), ...element("83", 1), ...element("86", ...text("V_VP8")), ...size));
+    const body = [...info, ...track];
+    /** @type {number[]} */
+    const cues = [];
+    for (const [at, data] of coded.entries()) {
+      cues.push(...element("bb", ...element("b3", ...whole(50 * at)), ...element("b7", ...element("f7", 1), ...element("f1", ...whole(body.length)))));
+      body.push(...element("1f43b675", ...element("e7", ...whole(50 * at)), ...element("a3", 0x81, 0, 0, 0x80, ...data)));
+    }
+    return [...head, ...element("18538067", ...body, ...element("1c53bb6b", ...cues))];
+  }, { width: WIDTH, height: HEIGHT, frames });
+  return Buffer.from(bytes);
+}
+
+test("a film is followed, and says how far it is", async () => {
+  const film = [Buffer.from(`YUV4MPEG2 W${WIDTH} H${HEIGHT} F20:1 Cmono\n`)];
+  for (let frame = 0; frame < FRAMES; frame++) film.push(Buffer.from("FRAME\n"), Buffer.from(beating(frame)));
   await writeFile(join(folder, "film.y4m"), Buffer.concat(film));
   await opened({}, async (page) => {
     await page.locator("#file").setInputFiles(join(folder, "film.y4m"));
@@ -366,8 +412,106 @@ test("a film is followed, and says how far it is", async () => {
     await page.locator("#results").getByRole("button", { name: "track.csv" }).waitFor({ timeout: 120_000 });
     assert.ok(said.some((text) => /frames, \d+ of/.test(text)), said.join("; "));
     const rows = (await result(page, "track.csv")).trim().split("\n");
-    assert.equal(rows.length, frames + 1);
+    assert.equal(rows.length, FRAMES + 1);
     await shot(page, "film");
+  });
+});
+
+test("a compressed film is decoded by the browser, frame by frame, and one that it cannot decode is explained", async () => {
+  await opened({}, async (page) => {
+    const frames = Array.from({ length: FRAMES }, (_, frame) => beating(frame));
+    await writeFile(join(folder, "film.webm"), await webm(page, frames));
+    await page.locator("#file").setInputFiles(join(folder, "film.webm"));
+    await page.locator("#measured").waitFor();
+    const size = page.locator("#measured").getByLabel("Size of a pixel, \u00b5m");
+    await size.fill("0.6");
+    await size.press("Tab");
+    await page.locator("#results").getByRole("button", { name: "track.csv" }).waitFor({ timeout: 120_000 });
+    const [head, ...rows] = (await result(page, "track.csv")).trim().split("\n").map((row) => row.split(","));
+    assert.equal(rows.length, FRAMES);
+    const column = (/** @type {string} */ name) => rows.map((row) => Number(row[head.indexOf(name)]));
+    const [times, lengths] = [column("t_ms"), column("stretch_1")];
+    times.forEach((time, at) => assert.ok(Math.abs(time - 50 * at) < 0.5, `${times}`));
+    assert.ok(Math.abs(Math.min(...lengths) - 0.92) < 0.01, `${lengths}`);
+    await writeFile(join(folder, "broken.mp4"), "no film");
+    await page.locator("#file").setInputFiles(join(folder, "broken.mp4"));
+    await page.waitForFunction(() => /cannot decode broken\.mp4.*ffmpeg/.test(document.getElementById("failure")?.textContent ?? ""));
+  });
+});
+
+test("of a JPEG it is said that its edges are less sure", async () => {
+  await opened({}, async (page) => {
+    const jpeg = await page.evaluate(async ({ width, height, grey }) => {
+      const canvas = new OffscreenCanvas(width, height);
+      canvas.getContext("2d")?.putImageData(new ImageData(Uint8ClampedArray.from(grey.flatMap((value) => [value, value, value, 255])), width, height), 0, 0);
+      return [...new Uint8Array(await (await canvas.convertToBlob({ type: "image/jpeg", quality: 0.95 })).arrayBuffer())];
+    }, { width: WIDTH, height: HEIGHT, grey: beating(0) });
+    await writeFile(join(folder, "cell.jpg"), Buffer.from(jpeg));
+    await page.locator("#file").setInputFiles(join(folder, "cell.jpg"));
+    await page.waitForFunction(() => document.getElementById("failure")?.hidden === false);
+    const before = await runsOf(page);
+    await page.locator("#pixel-size").fill("0.6");
+    await page.locator("#pixel-size").press("Tab");
+    await ran(page, before + 1);
+    assert.match((await page.locator("#shown-cells-words").textContent()) ?? "", /One cell was found.*JPEG.*less sure/);
+  });
+});
+
+test("a picture without a pixel size is shown, and a line over its scale bar gives it", async () => {
+  await opened({}, async (page) => {
+    const bar = await page.evaluate(async () => {
+      const canvas = new OffscreenCanvas(400, 200);
+      const context = canvas.getContext("2d");
+      if (context === null) return [];
+      context.fillStyle = "#202020";
+      context.fillRect(0, 0, 400, 200);
+      context.fillStyle = "#c0c0c0";
+      context.ellipse(200, 80, 150, 40, 0.1, 0, 7);
+      context.fill();
+      context.fillStyle = "#ffffff";
+      context.fillRect(280, 180, 100, 6);
+      return [...new Uint8Array(await (await canvas.convertToBlob({ type: "image/png" })).arrayBuffer())];
+    });
+    await writeFile(join(folder, "bar.png"), Buffer.from(bar));
+    await page.locator("#file").setInputFiles(join(folder, "bar.png"));
+    await page.locator("#shown-cells-place svg").waitFor();
+    assert.match((await page.locator("#shown-cells-words").textContent()) ?? "", /size of a pixel/);
+    await page.getByLabel("measure a scale bar").check();
+    const place = await page.locator("#shown-cells-place svg").boundingBox();
+    if (place === null) throw new Error("no picture is shown");
+    const at = (/** @type {number} */ x) => /** @type {[number, number]} */ ([place.x + (x * place.width) / 400, place.y + (183 * place.width) / 400]);
+    await page.mouse.move(...at(280));
+    await page.mouse.down();
+    await page.mouse.move(...at(380), { steps: 3 });
+    await page.mouse.up();
+    const before = await runsOf(page);
+    await page.locator("#bar-length").fill("30");
+    await page.locator("#bar-length").press("Enter");
+    await ran(page, before + 1);
+    assert.ok(Math.abs(Number(await page.locator("#pixel-size").inputValue()) - 0.3) < 0.01);
+    assert.match((await page.locator("#shown-cells-words").textContent()) ?? "", /One cell was found/);
+  });
+});
+
+test("six questions set the cell up, step by step", async () => {
+  await opened({}, async (page) => {
+    await page.getByRole("button", { name: "Six questions" }).click();
+    await shot(page, "tour");
+    assert.deepEqual(await violationsOn(page), []);
+    for (let step = 1; step <= 6; step++) {
+      assert.match((await page.locator("#tour-title").textContent()) ?? "", new RegExp(`^${step} of 6: .*\\?$`));
+      assert.match((await page.locator("#tour-question").textContent()) ?? "", /\?/);
+      const tries = page.locator("#tour-tries button");
+      assert.ok((await tries.count()) > 1);
+      for (const one of await tries.all()) {
+        const before = await runsOf(page);
+        await one.click();
+        await ran(page, before + 1);
+        assert.equal(await page.locator("#failure").isVisible(), false, (await one.textContent()) ?? "");
+      }
+      await page.locator("#tour-next").click();
+    }
+    assert.equal(await page.locator("#tour").isVisible(), false);
   });
 });
 
@@ -380,8 +524,9 @@ test("all files of a run are saved, and its report is opened again", async () =>
     await slide(page, "peak tension", "PageDown");
     const before = await runsOf(page);
     await page.locator("#file").setInputFiles(join(folder, "kept.html"));
-    await ran(page, before + 1);
+    await ran(page, before + 2);
     assert.equal(await tile(page, "peak shortening"), "12.01 %");
+    assert.equal(await page.getByRole("slider", { name: "peak tension", exact: true }).inputValue(), "50");
   });
 });
 

@@ -42,14 +42,16 @@ const MODULES: [(&str, &str); 20] = modules![
 const REPORT: [(&str, &str); 1] = modules!["report.js"];
 
 /// The modules of the page that simulates.
-const WEB: [(&str, &str); 8] = modules![
+const WEB: [(&str, &str); 10] = modules![
     "engine.js",
     "form.js",
     "link.js",
     "measured.js",
     "outline.js",
     "samples.js",
+    "video.js",
     "files.js",
+    "tour.js",
     "web.js"
 ];
 
@@ -62,14 +64,16 @@ const CURVES: [&str; 2] = [
 /// With places for title and data.
 pub(super) static TEMPLATE: LazyLock<String> = LazyLock::new(|| assembled(&REPORT, "", "", ""));
 
-/// The page that simulates, around its engine, a WebAssembly module packed as `.lzma`, and the one that unpacks it.
-pub fn around_engine(packed: &[u8], unpacker: &[u8]) -> String {
+/// The page that simulates, around its engine, a WebAssembly module packed as `.lzma`, and the one that unpacks it, with a
+/// tutorial in Markdown whose numbered parts are its tour.
+pub fn around_engine(packed: &[u8], unpacker: &[u8], tour: &str) -> String {
     let aside = include_str!("../../page/src/web.html")
+        .replacen("{{tour}}", tour, 1)
         .replacen("{{worker}}", include_str!("../../page/src/worker.js"), 1)
         .replacen("{{unpacker}}", &STANDARD.encode(unpacker), 1)
         .replacen("{{engine}}", &STANDARD.encode(packed), 1);
     let style = include_str!("../../page/src/web.css");
-    let page = assembled(&WEB, style, &aside, "'wasm-unsafe-eval'; worker-src blob:");
+    let page = assembled(&WEB, style, &aside, "'wasm-unsafe-eval'; worker-src blob:; media-src blob:");
     // Its engine gives the data.
     page.replace("{{title}}", "Myospring").replacen("{{data}}", "null", 1)
 }
