@@ -3,8 +3,8 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use myospring::experiment::{ExperimentError, Files};
+use myospring::mesh::pixel_size::PixelSize;
 use myospring::microscopy::cells::PictureCells;
-use myospring::microscopy::picture::PixelSize;
 use myospring::microscopy::plane::Plane;
 use myospring::microscopy::read::read_picture;
 use myospring::microscopy::segment::Choice;

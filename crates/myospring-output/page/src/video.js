@@ -14,6 +14,8 @@ const WAIT = 300;
 /** Where in a frame's time it is asked for, and from what part of the usual interval on a frame may be missing before the next one. */
 const WITHIN = 0.3;
 const MISSING = 1.6;
+/** Where a frame is sought that may be missing, in usual intervals after the last one. */
+const SOONER = 0.75;
 
 /**
  * A film as the program reads it (YUV4MPEG2, grey). It has one interval between frames, so a frame that is shown for longer is repeated:
@@ -55,30 +57,30 @@ async function framesOf(video, name, tell) {
   const { duration } = video;
   /** @type {Frame[]} */
   const frames = [];
-  /** Takes the frame that is shown at a time, unless it was taken; gives its time. @param {number} time */
-  const take = async (time) => {
-    const shown = (await at(video, time)) ?? (frames.length === 0 ? 0 : null);
+  /** Takes the frame that is shown, unless it was taken. @param {number | null} shown Its time. */
+  const take = (shown) => {
     const last = frames.at(-1)?.time ?? -Infinity;
-    if (shown === null || shown <= last + 1e-6) return null;
+    if (shown === null || shown <= last + 1e-6) return false;
     context.drawImage(video, 0, 0);
     if ((frames.length + 1) * width * height > MOST_GREY) throw new Error(`${name} has more than ${MOST_GREY / 1e6} MB of grey values; this page follows shorter films, the program longer ones`);
     frames.push({ time: shown, grey: greyOf(context.getImageData(0, 0, width, height).data) });
-    return shown;
+    return true;
   };
-  await take(0);
+  take((await at(video, 0)) ?? 0);
   let usual = 0;
   for (let time = FIRST_STEP; time < duration && usual === 0; time += FIRST_STEP) {
-    if ((await take(time)) !== null) usual = frames[1].time - frames[0].time;
+    if (take(await at(video, time))) usual = frames[1].time - frames[0].time;
   }
   if (usual === 0) throw new Error(`${name} has one frame`);
-  for (let time = frames[1].time + (1 + WITHIN) * usual; time < duration + usual; ) {
+  let time = frames[1].time + (1 + WITHIN) * usual;
+  while (time < duration + usual) {
     const last = frames[frames.length - 1].time;
-    const shown = await at(video, Math.min(time, duration));
-    // A shorter interval: what lies between is asked for first.
-    const early = shown !== null && shown - last > MISSING * usual && time - last > usual ? await take(last + 0.75 * usual) : null;
-    const next = early ?? (await take(Math.min(time, duration)));
+    let shown = await at(video, Math.min(time, duration));
+    // What may lie between is asked for first.
+    if (shown !== null && shown - last > MISSING * usual && time - last < 2 * usual) shown = await at(video, last + SOONER * usual);
+    const isNew = take(shown);
     tell(Math.min(time, duration), duration);
-    time = (next ?? time - WITHIN * usual) + (1 + WITHIN) * usual;
+    time = isNew ? frames[frames.length - 1].time + (1 + WITHIN) * usual : time + usual;
   }
   return frames;
 }

@@ -73,7 +73,8 @@ pub fn around_engine(packed: &[u8], unpacker: &[u8], tour: &str) -> String {
         .replacen("{{unpacker}}", &STANDARD.encode(unpacker), 1)
         .replacen("{{engine}}", &STANDARD.encode(packed), 1);
     let style = include_str!("../../page/src/web.css");
-    let page = assembled(&WEB, style, &aside, "'wasm-unsafe-eval'; worker-src blob:; media-src blob:");
+    let page =
+        assembled(&WEB, style, &aside, "'wasm-unsafe-eval'; worker-src blob:; media-src blob:");
     // Its engine gives the data.
     page.replace("{{title}}", "Myospring").replacen("{{data}}", "null", 1)
 }
