@@ -14,6 +14,9 @@ import { folder, numbersIn, payloadOf } from "./program.js";
 /** The example run files of the project. */
 const EXAMPLES = join(import.meta.dirname, "../../../../examples");
 
+/** Spacing of their meshes: where each triangle has a cell of its own, the engine that is built for tests takes minutes on finer ones. */
+const COARSE = "6 um";
+
 /** What rounding explains: exp and tanh differ in the last digits. Of the value, or in its unit where that is below 1. */
 const TOLERANCE = 1e-9;
 
@@ -77,7 +80,7 @@ test("the program gives the same numbers from the run file that the page saves",
   for (const [name, settings] of SETUPS) await compared(ask, name, settings);
 });
 
-test("each example run file gives the same numbers in the page and in the program", async () => {
+test("each example run file gives the same numbers in the page and in the program, on a coarse mesh", async () => {
   const { ask } = await engine();
   const names = await readdir(EXAMPLES);
   for (const name of names.filter((name) => /\.(png|csv)$/.test(name))) {
@@ -91,7 +94,7 @@ test("each example run file gives the same numbers in the page and in the progra
     ask({ ask: "hold", name }, await readFile(join(EXAMPLES, name)));
     const { settings, error } = ask({ ask: "settings", name });
     assert.equal(error, undefined, `${name}: ${error?.message}`);
-    await compared(ask, name.replace(".toml", "_again"), settings ?? {});
+    await compared(ask, name.replace(".toml", "_again"), { ...settings, "shape.spacing": COARSE });
   }
 });
 
