@@ -14,7 +14,7 @@ const BROWSERS: [&str; 4] =
 impl Checks {
     /// The page with the engine inside, and its numbers beside the program's.
     pub(super) fn web(&mut self) -> Result<(), String> {
-        let names = ["the page: its engine", "the page: in Chromium"];
+        let names = ["the page: its engine", "the page: in Chromium", "the page: in Firefox"];
         if let Err(why) = web::toolchain().and_then(|()| installed()) {
             for name in names {
                 self.skip(name, &why);
@@ -36,10 +36,18 @@ impl Checks {
             Ok(path) => {
                 let mut command = test("test/web.test.js");
                 command.envs(path.map(|path| ("CHROMIUM", path)));
-                self.step(names[1], command)
+                self.step(names[1], command)?;
+            }
+            Err(why) => self.skip(names[1], &why),
+        }
+        match firefox() {
+            Ok(path) => {
+                let mut command = test("test/firefox.test.js");
+                command.env("FIREFOX", path);
+                self.step(names[2], command)
             }
             Err(why) => {
-                self.skip(names[1], &why);
+                self.skip(names[2], &why);
                 Ok(())
             }
         }
@@ -115,42 +123,47 @@ pub(crate) fn installed() -> Result<(), String> {
     std::fs::write(&stamp, lock).map_err(|error| format!("{}: {error}", stamp.display()))
 }
 
-/// A browser: the one that `CHROMIUM` names, one that is installed, Debian's if that can be installed, or, as `None`,
+/// Chromium: the one that `CHROMIUM` names, one that is installed, Debian's if that can be installed, or, as `None`,
 /// Playwright's own.
 pub(crate) fn chromium() -> Result<Option<PathBuf>, String> {
-    if let Some(named) = env::var_os("CHROMIUM") {
-        return Ok(Some(PathBuf::from(named)));
-    }
-    let there = || {
-        let paths = env::var_os("PATH").unwrap_or_default();
-        env::split_paths(&paths)
-            .flat_map(|folder| BROWSERS.map(|name| folder.join(name)))
-            .find(|path| path.is_file())
-    };
-    let succeeds = |mut command: Command| command.status().is_ok_and(|status| status.success());
-    if let Some(path) = there() {
-        return Ok(Some(path));
-    }
-    say("\n== Chromium, from Debian\n");
-    let apt = |arguments: &[&str]| {
-        let mut command = Command::new("apt-get");
-        command.args(["-qq", "-y"]).args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
-        command.stdout(Stdio::null());
-        command
-    };
-    if succeeds(apt(&["update"]))
-        && succeeds(apt(&["install", "--no-install-recommends", "chromium"]))
-        && let Some(path) = there()
-    {
+    if let Some(path) = browser("CHROMIUM", &BROWSERS, "chromium") {
         return Ok(Some(path));
     }
     say("\n== Chromium, from Playwright\n");
     let mut own = Command::new("node");
     own.args(["node_modules/playwright-core/cli.js", "install", "--only-shell", "chromium"]);
-    own.current_dir(folder());
-    if succeeds(own) {
+    if own.current_dir(folder()).status().is_ok_and(|status| status.success()) {
         return Ok(None);
     }
     Err("no Chromium is here and none could be installed: `apt-get install chromium`, or set CHROMIUM to a browser"
         .to_owned())
+}
+
+/// Firefox: the one that `FIREFOX` names, one that is installed, or Debian's if that can be installed.
+fn firefox() -> Result<PathBuf, String> {
+    browser("FIREFOX", &["firefox", "firefox-esr"], "firefox-esr").ok_or_else(|| {
+        "no Firefox is here and none could be installed: `apt-get install firefox-esr`, or set FIREFOX to one".to_owned()
+    })
+}
+
+/// The browser that a variable names, one that is installed under any of these names, or a package of Debian.
+fn browser(variable: &str, names: &[&str], package: &str) -> Option<PathBuf> {
+    let there = || {
+        let paths = env::var_os("PATH").unwrap_or_default();
+        let all = env::split_paths(&paths);
+        all.flat_map(|folder| names.iter().map(move |name| folder.join(name)))
+            .find(|path| path.is_file())
+    };
+    let named = || env::var_os(variable).map(PathBuf::from);
+    if let Some(path) = named().or_else(there) {
+        return Some(path);
+    }
+    say(&format!("\n== {package}, from Debian\n"));
+    let apt = |arguments: &[&str]| {
+        let mut command = Command::new("apt-get");
+        command.args(["-qq", "-y"]).args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
+        command.stdout(Stdio::null()).status().is_ok_and(|status| status.success())
+    };
+    let install = ["install", "--no-install-recommends", package];
+    (apt(&["update"]) && apt(&install)).then(there).flatten()
 }
