@@ -49,8 +49,10 @@ impl Rates {
         let per = after.recip();
         let bounds = self.low.iter_mut().zip(&mut self.high);
         for ((low, high), (start, now)) in bounds.zip(start.iter().zip(now)) {
-            *low = low.max((now - start - tolerance) * per);
-            *high = high.min((now - start + tolerance) * per);
+            let (least, most) = ((now - start - tolerance) * per, (now - start + tolerance) * per);
+            // No number here is NaN, for which `max` and `min` would cost more.
+            *low = if least > *low { least } else { *low };
+            *high = if most < *high { most } else { *high };
         }
     }
 
