@@ -40,7 +40,7 @@ impl Known {
         Self { model: model.to_owned(), fitter, truth }
     }
 
-    /// Part of the frames with the truth in their band, %.
+    /// How many frames have the truth in their band, and how many there are.
     fn covered(&self, rate: f64, curves: u64, noise: f64) -> [usize; 2] {
         let one = |seed: u64| {
             let (observed, tensions) = self.truth.filmed(rate, noise, 100 + seed);

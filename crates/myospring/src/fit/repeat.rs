@@ -6,6 +6,7 @@ use super::fitter::Fitter;
 use super::fitter::ONE_BEAT;
 use super::unknown::Unknown;
 use crate::cell::pacing::Protocol;
+use crate::cell::steady::pace;
 use crate::cell::tension::lag::Lag;
 use crate::cell::tension::train::Potential;
 use crate::cell::tension::{Rates, Tension};
@@ -17,7 +18,8 @@ use std::sync::Arc;
 
 impl Fitter {
     /// The run with the fitted numbers and as many beats as the first curve, from its first
-    /// stimulus on, or of a cell that was paced before; `myospring run` repeats the fitted curve.
+    /// stimulus on. A cell that had beaten before is paced first, if that makes it steady. `myospring run` repeats the
+    /// fitted curve.
     ///
     /// # Errors
     /// Numbers that the model does not take.
@@ -61,9 +63,6 @@ impl Fitter {
                 }
                 None => tension,
             };
-            if run.cell.tension_of_potential().is_some() {
-                run.steady_state = (fit.beats_before > 0).then_some(STEADY);
-            }
         } else {
             if let Some(name) = cell.in_fits().strength {
                 parameters.set(name, tension)?;
@@ -80,6 +79,13 @@ impl Fitter {
             }
             let end = curve.times_ms.last().copied().unwrap_or_default();
             run.duration = (run.protocol.start_ms + end - first).max(1.0).ceil();
+        }
+        if run.cell.tension_of_potential().is_some() {
+            let (protocol, settings) = (run.protocol, run.numerics.cell);
+            // Very fast trains may never become steady; then the run begins at rest.
+            let paced =
+                || pace(&run.cell, protocol, settings, STEADY, &self.simulation().interruption);
+            run.steady_state = (fit.beats_before > 0 && paced().is_ok()).then_some(STEADY);
         }
         if fit.calcium.as_ref().is_some_and(|calcium| calcium.drives) {
             // The caller writes it.

@@ -107,7 +107,7 @@ impl Pulled {
         Film::read(self.bytes(1), &Selection::default()).unwrap()
     }
 
-    /// The bytes of the film with so many equal beats.
+    /// The bytes of the film; its beat is repeated this often.
     pub(crate) fn bytes(&self, beats: usize) -> Vec<u8> {
         let mesh = self.mesh(TRUE_SPACING);
         let [width, height] = self.scene.size();

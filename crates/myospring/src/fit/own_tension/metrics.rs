@@ -28,7 +28,7 @@ const STATED: [&str; 8] = [
 const BEATS_OF_COPIES: usize = 120;
 const COPIES: usize = 4;
 const SEED: u64 = 1;
-/// Unit of a rate, and the frames in which a rate that they show takes the tension to its peak, at least.
+/// Unit of a rate. A rate that takes the tension to its peak in fewer frames is a lower bound of the true one.
 const RATE: &str = "kPa/s";
 const FAST: f64 = 3.0;
 /// Fewest beats whose scatter is an interval.
