@@ -427,6 +427,25 @@ fn the_run_of_a_fit_to_a_train_that_began_before_its_curve_repeats_it() {
     assert!(left < 0.3, "{left} um");
 }
 
+#[test]
+fn a_train_that_never_becomes_steady_has_a_run_that_begins_at_rest() {
+    // At 130 ms the model follows no regular pattern.
+    let times_ms: Vec<f64> = (0..1000).map(|frame| 2.0 * f64::from(frame)).collect();
+    let stimuli: Vec<f64> = (0..15).map(|beat| 50.0 + 130.0 * f64::from(beat)).collect();
+    let length = |time: &f64| {
+        let part = ((time + 80.0) % 130.0 - 10.0).max(0.0) / 28.0;
+        100.0 - 6.0 * part.powi(2) * (2.0 * (1.0 - part)).exp()
+    };
+    let (values, stimuli) = (times_ms.iter().map(length).collect(), Stimuli::Given(stimuli));
+    let (name, unit) = ("cell".into(), "um".into());
+    let observed = Observed { name, times_ms, values, scale: Scale::Length, unit, stimuli };
+    let text = "[numerics]\nintegrator = \"quasi-static\"";
+    let fitter = fitter(text);
+    let fit = fitted(&fitter, observed, &free(&["tension_over_stiffness", "c_0"]));
+    let again = fitter.fitted(run(text), &Fit { beats_before: 10, ..fit }).unwrap();
+    assert_eq!(again.steady_state, None);
+}
+
 fn beaten(run: &Run) -> Outcome {
     let bytes = run.shape.bytes(|path| std::fs::read(path)).unwrap();
     let made = run.make(run.shape.mesh(&bytes).unwrap(), |path| std::fs::read(path)).unwrap();
