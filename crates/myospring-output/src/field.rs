@@ -249,7 +249,49 @@ impl<'a> Fields<'a> {
     /// # Panics
     /// If the frame is one of another mesh.
     pub fn on_triangles(&self, field: Field, frame: &Frame) -> Vec<f64> {
-        (0..self.mesh.simplices.len()).map(|index| self.in_triangle(field, frame, index)).collect()
+        match field {
+            Field::FibreStrain => self.strains(frame, |shape| shape.along),
+            Field::CrossStrain => self.strains(frame, |shape| shape.across),
+            Field::AreaRatio => self.by_shape(field, |triangle, shape| {
+                let [a, b] = edges(&frame.positions, triangle);
+                cross(a, b) / shape.double_area
+            }),
+            Field::ActiveStress => {
+                let count = self.mesh.simplices.len();
+                let tension = frame.ta_by_triangle_kpa.clone();
+                let mut stress = tension.unwrap_or_else(|| vec![frame.ta_kpa; count]);
+                for (stress, content) in stress.iter_mut().zip(self.content.into_iter().flatten()) {
+                    *stress *= content;
+                }
+                stress
+            }
+            Field::Displacement => {
+                let way = self.on_nodes(field, frame);
+                let mean = |triangle: &Simplex<3>| {
+                    triangle.nodes.iter().map(|&node| way[node as usize]).sum::<f64>() / 3.0
+                };
+                self.mesh.simplices.iter().map(mean).collect()
+            }
+        }
+    }
+
+    /// The strain of a direction at rest, `|F v| - 1`, per cent: `F v = D_s D_m^-1 v`, the columns of D being two edges.
+    fn strains(&self, frame: &Frame, parts: impl Fn(&Shape) -> [f64; 2]) -> Vec<f64> {
+        self.by_shape(Field::FibreStrain, |triangle, shape| {
+            let (now, parts) = (edges(&frame.positions, triangle), parts(shape));
+            let [x, y] =
+                [0, 1].map(|axis: usize| now[0][axis] * parts[0] + now[1][axis] * parts[1]);
+            100.0 * ((x * x + y * y).sqrt() - 1.0)
+        })
+    }
+
+    /// A value for each triangle; that at rest where one has no shape.
+    fn by_shape(&self, field: Field, value: impl Fn(&Simplex<3>, &Shape) -> f64) -> Vec<f64> {
+        let pairs = self.mesh.simplices.iter().zip(&self.shapes);
+        let of = |(triangle, shape): (&Simplex<3>, &Shape)| {
+            if shape.double_area == 0.0 { field.at_rest() } else { value(triangle, shape) }
+        };
+        pairs.map(of).collect()
     }
 
     /// The value at each node: for the displacement its own, else the mean over adjacent triangles,
@@ -261,9 +303,10 @@ impl<'a> Fields<'a> {
         if field == Field::Displacement {
             let points = &self.mesh.points;
             let way = |axis: usize, node: usize| frame.positions[axis][node] - points[axis][node];
-            return (0..self.mesh.len()).map(|node| way(0, node).hypot(way(1, node))).collect();
+            let length = |node| (way(0, node).powi(2) + way(1, node).powi(2)).sqrt();
+            return (0..self.mesh.len()).map(length).collect();
         }
-        self.averaged(field.at_rest(), |index| self.in_triangle(field, frame, index))
+        self.averaged(field.at_rest(), &self.on_triangles(field, frame))
     }
 
     /// Averages values of triangles to nodes: the mean over adjacent triangles, weighted by area.
@@ -271,15 +314,15 @@ impl<'a> Fields<'a> {
     /// # Panics
     /// If there is not one value for each triangle.
     pub fn from_triangles(&self, values: &[f64]) -> Vec<f64> {
-        self.averaged(0.0, |index| values[index])
+        self.averaged(0.0, values)
     }
 
-    fn averaged(&self, alone: f64, value: impl Fn(usize) -> f64) -> Vec<f64> {
+    fn averaged(&self, alone: f64, values: &[f64]) -> Vec<f64> {
+        assert_eq!(values.len(), self.mesh.simplices.len(), "one value for each triangle");
         let mut sums = vec![[0.0; 2]; self.mesh.len()];
-        for (index, triangle) in self.mesh.simplices.iter().enumerate() {
+        for (triangle, value) in self.mesh.simplices.iter().zip(values) {
             let [a, b] = edges(&self.mesh.points, triangle);
             let weight = triangle.weight * cross(a, b).abs();
-            let value = value(index);
             for node in triangle.nodes {
                 let [sum, weights] = &mut sums[node as usize];
                 *sum += weight * value;
@@ -297,42 +340,6 @@ impl<'a> Fields<'a> {
         frames: impl IntoIterator<Item = &'f Frame>,
     ) -> [f64; 2] {
         field.limits(frames.into_iter().flat_map(|frame| self.on_nodes(field, frame)))
-    }
-
-    fn in_triangle(&self, field: Field, frame: &Frame, index: usize) -> f64 {
-        let (triangle, shape) = (&self.mesh.simplices[index], &self.shapes[index]);
-        if shape.double_area == 0.0 {
-            return field.at_rest();
-        }
-        let now = || edges(&frame.positions, triangle);
-        // F v = D_s D_m^-1 v, the columns of D being two edges.
-        let strain = |parts: [f64; 2]| {
-            let now = now();
-            let [x, y] =
-                [0, 1].map(|axis: usize| now[0][axis] * parts[0] + now[1][axis] * parts[1]);
-            100.0 * ((x * x + y * y).sqrt() - 1.0)
-        };
-        match field {
-            Field::FibreStrain => strain(shape.along),
-            Field::CrossStrain => strain(shape.across),
-            Field::AreaRatio => {
-                let [a, b] = now();
-                cross(a, b) / shape.double_area
-            }
-            Field::ActiveStress => {
-                let tension =
-                    frame.ta_by_triangle_kpa.as_ref().map_or(frame.ta_kpa, |ta| ta[index]);
-                tension * self.content.map_or(1.0, |content| content[index])
-            }
-            Field::Displacement => {
-                triangle.nodes.map(|node| node as usize).iter().fold(0.0, |sum, &node| {
-                    let way = [0, 1].map(|axis: usize| {
-                        frame.positions[axis][node] - self.mesh.points[axis][node]
-                    });
-                    sum + way[0].hypot(way[1]) / 3.0
-                })
-            }
-        }
     }
 }
 
