@@ -13,6 +13,7 @@
 //! | [`drag`] | viscous drag | `coelho_2021`, Eq. (10) |
 //! | [`support`] | what holds the cell | `coelho_2021`, section 2.1 |
 //! | [`anchor`] | elastic supports: elastic bed, spring-held ends | `edwards_schwarz_2011` |
+//! | [`gel`] | a gel, half-space or layer | `butler_2002` |
 //! | [`loaded_end`] | an end under a constant load | |
 //! | [`stability`] | the largest stable time step | |
 //! | [`stiffness`] | the tangent stiffness, for equilibria | |
@@ -22,8 +23,10 @@ pub mod active;
 pub mod anchor;
 pub mod area;
 mod body;
+pub mod compliance;
 pub mod drag;
 mod force;
+pub mod gel;
 pub mod lattice_law;
 pub mod loaded_end;
 pub mod material;
@@ -42,3 +45,4 @@ pub use force::{Configuration, Force};
 pub use system::System;
 pub use tension::{Following, Tension};
 pub use vectors::{Vectors, zeros};
+pub(crate) use vectors::{add_scaled, product};

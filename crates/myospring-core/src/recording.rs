@@ -73,6 +73,20 @@ pub struct Signal {
 /// Name of the signal of the force with which a cell pulls its held ends inward, nN.
 pub const END_FORCE: &str = "end_force";
 
+/// Name of the signal of the sum of the absolute forces of the cell's nodes on the gel to which it adheres, nN.
+pub const TRACTION_FORCE: &str = "traction_force";
+
+/// Name of the signal of the force of half the cell on the gel along its long axis, nN: half the sum of the absolute forces
+/// along it.
+pub const AXIAL_FORCE: &str = "axial_traction_force";
+
+/// Name of the signal of the contractile moment, fJ: minus the sum of force times place (`butler_2002`), above 0 where the
+/// cell pulls inward.
+pub const CONTRACTILE_MOMENT: &str = "contractile_moment";
+
+/// Name of the signal of the elastic energy of the gel, fJ.
+pub const GEL_ENERGY: &str = "gel_energy";
+
 /// Name of the signal of free cytosolic calcium, uM.
 pub const CALCIUM: &str = "Ca_i";
 

@@ -30,6 +30,7 @@ mod course;
 pub mod equilibria;
 mod fault;
 mod field;
+mod gauges;
 mod given_calcium;
 mod held;
 mod in_time;

@@ -99,6 +99,11 @@ mod tests {
             "mechanics.end_stiffness" => &[("mechanics.support", "spring-held-ends")],
             "mechanics.afterload" => &[("mechanics.support", "afterloaded-ends")],
             "mechanics.bed_stiffness" => &[("mechanics.support", "elastic-bed")],
+            "mechanics.gel_modulus"
+            | "mechanics.gel_poisson"
+            | "mechanics.gel_thickness"
+            | "mechanics.adhesion"
+            | "mechanics.adhesion_stiffness" => &[("mechanics.support", "gel")],
             key if key.starts_with("segmentation.") => &[("shape.picture", "cell.tif")],
             _ => &[],
         };

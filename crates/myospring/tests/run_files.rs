@@ -116,6 +116,11 @@ fn every_commented_key_of_the_template_is_valid_where_it_stands() {
         "afterload",
         "end_stiffness",
         "bed_stiffness",
+        "gel_modulus",
+        "gel_poisson",
+        "gel_thickness",
+        "adhesion",
+        "adhesion_stiffness",
     ];
     let mut table = String::new();
     for line in text.lines() {

@@ -15,7 +15,7 @@ use std::path::Path;
 const LENGTHENING: &str = "peak_lengthening";
 
 /// Rows of the table after a run: metric and its name for people.
-pub(crate) const ROWS: [(&str, &str); 19] = [
+pub(crate) const ROWS: [(&str, &str); 24] = [
     ("peak_tension", "peak tension"),
     ("time_to_peak_tension", "time to peak tension, from stimulus"),
     ("resting_length", "resting length"),
@@ -34,6 +34,11 @@ pub(crate) const ROWS: [(&str, &str); 19] = [
     ("peak_end_force", "peak force at the ends"),
     ("time_to_end_systole", "time to end of systole, from stimulus"),
     ("work_on_load", "work on the load"),
+    ("peak_traction_force", "peak force on the gel, all directions"),
+    ("peak_axial_traction_force", "  of half the cell, along it"),
+    ("time_to_peak_traction_force", "time to peak force on the gel, from stimulus"),
+    ("peak_contractile_moment", "peak contractile moment"),
+    ("peak_gel_energy", "peak energy of the gel"),
     ("action_potential_duration_90", "APD90"),
 ];
 

@@ -21,7 +21,7 @@ pub struct Beat {
     pub contraction: Vec<Metric>,
     /// Width and area at the peak of shortening.
     pub shape: Vec<Metric>,
-    /// Work and force at its ends; empty if the ends are not held.
+    /// Work and force at its ends, or forces on a gel; empty if nothing of the kind holds the cell.
     pub load: Vec<Metric>,
     /// Action potential; empty for a cell without one.
     pub action_potential: Vec<Metric>,
@@ -70,17 +70,15 @@ const UPSTROKE: &str = "maximum_upstroke_velocity";
 
 /// The metrics of each beat; a beat ends at the next captured stimulus.
 pub fn beats(recording: &Recording, stimulus_times_ms: &[f64]) -> Vec<Beat> {
-    let Recording { samples, signals, .. } = recording;
-    let force = signals.iter().find(|signal| signal.is(END_FORCE));
+    let Recording { samples, .. } = recording;
     let times: Vec<f64> = samples.iter().map(|sample| sample.t_ms).collect();
     let captured = match potential(samples) {
         Some((potential, unit)) => capture::of(&times, &potential, unit, stimulus_times_ms),
         None => Vec::new(),
     };
     let of = |window: Window| {
-        let force = force.and_then(|force| force.values.get(window.within.clone()));
         let captured = captured.get(window.place).copied().flatten();
-        let mut beat = beat(&samples[window.within.clone()], force, &window, captured);
+        let mut beat = beat(recording, &window, captured);
         let within = window.within.clone();
         if let Some(values) = calcium(recording).and_then(|values| values.get(within.clone())) {
             let rest = trace::baseline(&times[within.clone()], values, window.stimulus_ms);
@@ -91,12 +89,10 @@ pub fn beats(recording: &Recording, stimulus_times_ms: &[f64]) -> Vec<Beat> {
     capture::windows(&times, stimulus_times_ms, &captured).into_iter().map(of).collect()
 }
 
-fn beat(
-    samples: &[Sample],
-    force: Option<&[f64]>,
-    window: &Window,
-    captured: Option<bool>,
-) -> Beat {
+fn beat(recording: &Recording, window: &Window, captured: Option<bool>) -> Beat {
+    let samples = &recording.samples[window.within.clone()];
+    let signal =
+        |name: &str| values_of(recording, name).and_then(|all| all.get(window.within.clone()));
     let stimulus = window.stimulus_ms;
     let column = |read: fn(&Sample) -> f64| samples.iter().map(read).collect::<Vec<f64>>();
     let times = column(|s| s.t_ms);
@@ -126,9 +122,9 @@ fn beat(
     let tension = tension(&times[own.clone()], &active[own], stimulus, rest, &contraction);
     let at_rest = |read| trace::baseline(&times, &column(read), stimulus);
     let shape = shape(samples, &at_rest, &contraction);
-    let load = force.map_or_else(Vec::new, |force| {
-        load::metrics(&times, &column(|s| s.length_um), force, stimulus)
-    });
+    let mut load = signal(END_FORCE)
+        .map_or_else(Vec::new, |force| load::metrics(&times, &lengths, force, stimulus));
+    load.extend(load::on_gel(&times, signal, stimulus));
     let mut groups = [tension, contraction, shape, load, action_potential];
     if captured == Some(false) {
         without_values(&mut groups);
@@ -140,7 +136,12 @@ fn beat(
 
 /// Free calcium, where it was recorded.
 fn calcium(recording: &Recording) -> Option<&[f64]> {
-    Some(&recording.signals.iter().find(|signal| signal.is(CALCIUM))?.values)
+    values_of(recording, CALCIUM)
+}
+
+/// The values of a signal, where it was recorded.
+fn values_of<'a>(recording: &'a Recording, name: &str) -> Option<&'a [f64]> {
+    Some(&recording.signals.iter().find(|signal| signal.is(name))?.values)
 }
 
 /// Levels of the free calcium of a beat.
@@ -196,7 +197,7 @@ pub(super) fn s2_beat(
     s2_ms: f64,
     s1: &Beat,
 ) -> Option<Beat> {
-    let Recording { samples, signals, .. } = recording;
+    let Recording { samples, .. } = recording;
     let column = |read: fn(&Sample) -> f64| samples.iter().map(read).collect::<Vec<f64>>();
     let times = column(|s| s.t_ms);
     let s1_place = stimuli_ms.iter().position(|time| *time == s1.stimulus_ms)?;
@@ -225,18 +226,12 @@ pub(super) fn s2_beat(
         (pair.rest(&active), rest::BEFORE_S1),
         &contraction,
     );
-    let force = signals.iter().find(|signal| signal.is(END_FORCE));
-    let load = force.map_or_else(Vec::new, |force| {
-        let within = of(&force.values);
-        load::above(
-            &times[within.clone()],
-            &lengths[within.clone()],
-            &force.values[within],
-            s2_ms,
-            rest(&force.values),
-            rest::BEFORE_S1,
-        )
+    let mut load = values_of(recording, END_FORCE).map_or_else(Vec::new, |force| {
+        let within = of(force);
+        let (times, lengths) = (&times[within.clone()], &lengths[within.clone()]);
+        load::above(times, lengths, &force[within], s2_ms, rest(force), rest::BEFORE_S1)
     });
+    load.extend(load::on_gel(&times, |name| values_of(recording, name), s2_ms));
     let (mut action_potential, mut captured, mut diastolic) = (Vec::new(), None, None);
     if let Some((potential, unit)) = potential(samples) {
         captured = pair.captured(&times, &potential);

@@ -6,7 +6,10 @@ use super::rhythm::Rhythm;
 use super::rows::{recorded, row};
 use super::spontaneous::{self, Upstrokes};
 use super::{Metric, Missing, Spread, beat_to_beat, s2};
-use crate::recording::{END_FORCE, Recording, Sample, Signal};
+use crate::recording::{
+    AXIAL_FORCE, CONTRACTILE_MOMENT, END_FORCE, GEL_ENERGY, Recording, Sample, Signal,
+    TRACTION_FORCE,
+};
 use std::ops::Deref;
 
 /// Metrics of the beats of a run: a list of [`Beat`]s, one for each stimulus within the run; for a
@@ -157,8 +160,10 @@ impl Deref for Beats {
 pub fn known(in_mv: bool) -> Vec<Metric> {
     let still = Sample { u: Some(0.0), vm_mv: in_mv.then_some(0.0), ..Sample::STILL };
     // Names of metrics do not depend on the recording.
-    let held = Signal { name: END_FORCE.to_owned(), unit: "nN".to_owned(), values: vec![0.0] };
-    let recording = Recording { samples: vec![still], signals: vec![held], frames: Vec::new() };
+    let signal = |name: &str| Signal { name: name.into(), unit: String::new(), values: vec![0.0] };
+    let held = [END_FORCE, TRACTION_FORCE, AXIAL_FORCE, CONTRACTILE_MOMENT, GEL_ENERGY];
+    let signals = held.map(signal).to_vec();
+    let recording = Recording { samples: vec![still], signals, frames: Vec::new() };
     let Beats { list, energy, .. } = Beats::of(&recording, &[0.0], None);
     let of_beat = list.iter().flat_map(Beat::metrics).cloned();
     of_beat

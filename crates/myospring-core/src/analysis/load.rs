@@ -1,6 +1,7 @@
-//! Force and work loop of a cell whose ends are held.
+//! Force and work loop of a cell whose ends are held, and forces of one on a gel.
 
 use super::{Metric, Missing, rest, trace};
+use crate::recording::{AXIAL_FORCE, CONTRACTILE_MOMENT, GEL_ENERGY, TRACTION_FORCE};
 
 /// The metrics of one beat from length (um) and the force at the ends (nN) over time (ms).
 ///
@@ -84,5 +85,75 @@ pub fn above(
             "fJ",
             "work on what holds the ends, from the stimulus to the end of systole",
         ),
+    ]
+}
+
+/// The metrics of one beat of a cell on a gel, from the signals of its forces; empty where they were not recorded.
+///
+/// # Example
+/// ```
+/// use myospring::analysis::{load, value};
+/// let times: Vec<f64> = (0..=200).map(f64::from).collect();
+/// let force: Vec<f64> = times.iter().map(|t| 30.0 - (t - 80.0).abs().min(30.0)).collect();
+/// let metrics = load::on_gel(&times, |_| Some(&force), 10.0);
+/// assert_eq!(value(&metrics, "peak_traction_force"), Some(30.0));
+/// assert_eq!(value(&metrics, "time_to_peak_traction_force"), Some(70.0));
+/// assert_eq!(value(&metrics, "traction_relaxation_time_50"), Some(15.0));
+/// ```
+pub fn on_gel<'a>(
+    times: &[f64],
+    signal: impl Fn(&str) -> Option<&'a [f64]>,
+    stimulus: f64,
+) -> Vec<Metric> {
+    let Some(force) = signal(TRACTION_FORCE) else { return Vec::new() };
+    let after = times.partition_point(|time| *time < stimulus);
+    let peak = |values: &[f64]| {
+        let values = values.get(after..times.len())?;
+        trace::peak(&times[after..], values).filter(|peak| peak.value > 0.0)
+    };
+    let top = peak(force);
+    let rest = trace::baseline(times, force, stimulus).unwrap_or_default();
+    let half = top.and_then(|top| {
+        let level = f64::midpoint(top.value, rest);
+        Some(trace::falls_through(times, force, level, top.time)? - top.time)
+    });
+    let row = |name, value: Option<f64>, unit, definition| {
+        Metric::new(name, value.ok_or(Missing::NoRise), unit, definition)
+    };
+    let largest = |name, of, unit, definition| {
+        row(name, signal(of).and_then(|values| Some(peak(values)?.value)), unit, definition)
+    };
+    vec![
+        row(
+            "peak_traction_force",
+            top.map(|top| top.value),
+            "nN",
+            "largest sum of the absolute forces of the cell on the gel",
+        ),
+        row(
+            "time_to_peak_traction_force",
+            top.map(|top| top.time - stimulus),
+            "ms",
+            "from the stimulus to the largest sum of forces",
+        ),
+        row(
+            "traction_relaxation_time_50",
+            half,
+            "ms",
+            "from the largest sum of forces to half way back to rest",
+        ),
+        largest(
+            "peak_axial_traction_force",
+            AXIAL_FORCE,
+            "nN",
+            "largest force of half the cell on the gel along the long axis",
+        ),
+        largest(
+            "peak_contractile_moment",
+            CONTRACTILE_MOMENT,
+            "fJ",
+            "largest contractile moment: minus the sum of force times place",
+        ),
+        largest("peak_gel_energy", GEL_ENERGY, "fJ", "largest elastic energy of the gel"),
     ]
 }

@@ -32,6 +32,7 @@ mod error;
 mod factor;
 mod field;
 mod shapes;
+mod tied;
 mod tolerance;
 
 pub use error::{PathError, WeakPlace};
@@ -350,6 +351,10 @@ fn check_forces<const D: usize>(
     // Holding the mass centre removes the resultant of outer forces, and that has no energy.
     let held = system.support != Support::MassCentre;
     let mut stiffness = StiffnessMatrix::new(body.len());
+    let mut tied = system.forces().filter(|force| force.compliance().is_some());
+    if let Some(second) = tied.nth(1) {
+        return Err(PathError::NoStiffness { force: second.name() });
+    }
     let passive = system.passive.iter().map(|force| (force, held));
     for (force, may_be_external) in passive.chain(system.active.iter().map(|force| (force, false)))
     {

@@ -1,5 +1,6 @@
 //! The trait of force laws.
 
+use super::compliance::Compliance;
 use super::lattice_law::LatticeLaw;
 use super::stiffness::StiffnessMatrix;
 use super::tension::Tension;
@@ -44,6 +45,12 @@ pub trait Force<const D: usize = 2>: Send + Sync {
         _stiffness: &mut StiffnessMatrix<D>,
     ) -> bool {
         false
+    }
+
+    /// The body outside the mesh that makes this force, if its stiffness ties all nodes to each other and
+    /// [`Force::add_stiffness`] adds only one that is like it. Equilibria solve for both together.
+    fn compliance(&self) -> Option<&dyn Compliance<D>> {
+        None
     }
 
     /// The law as data for a kernel that sweeps a lattice (`integrate::stencil`).

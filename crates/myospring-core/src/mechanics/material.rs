@@ -18,6 +18,7 @@
 use super::active::{ActiveLaw, EndTension, FibreTension, Myofibrils};
 use super::area::{AreaLaw, AreaPreservation};
 use super::drag::Drag;
+use super::gel::GelBed;
 use super::spring::Springs;
 use super::support::{Support, SupportKind};
 use super::{Body, System};
@@ -155,6 +156,9 @@ impl Material {
 ///
 /// `axis` is the cell's long axis, `length` (um) its length along it, `fibres` one unit vector per
 /// triangle, or the [`Myofibrils`] with their content.
+///
+/// # Panics
+/// If the support is a gel that does not fit the mesh; see [`Gel::check`](super::gel::Gel::check).
 pub fn assemble<'a>(
     mesh: &Mesh,
     material: &Material,
@@ -176,6 +180,12 @@ pub fn assemble<'a>(
     let mut passive: Vec<Box<dyn super::Force>> = vec![Box::new(springs), Box::new(area)];
     if let Some(anchors) = support.anchors(mesh, axis) {
         passive.push(Box::new(anchors));
+    }
+    if let SupportKind::Gel(gel) = support {
+        match GelBed::new(gel, mesh, axis) {
+            Ok(bed) => passive.push(Box::new(bed)),
+            Err(error) => panic!("{error}"),
+        }
     }
     let system =
         System { passive, active: vec![active], drag, support: Support::new(support, mesh, axis) };

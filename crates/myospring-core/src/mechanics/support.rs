@@ -10,8 +10,10 @@
 //!   load ([`super::loaded_end`]).
 //! - [`SupportKind::SpringHeldEnds`], [`SupportKind::ElasticBed`]: springs hold the cell, which are
 //!   forces with an energy ([`super::anchor`]); no node is constrained.
+//! - [`SupportKind::Gel`]: an elastic gel, likewise ([`super::gel`]).
 
 use super::anchor::Anchors;
+use super::gel::Gel;
 use super::vectors::Vectors;
 use crate::mesh::Mesh;
 use crate::mesh::ends::end_nodes;
@@ -39,7 +41,9 @@ pub enum SupportKind {
         /// The load, nN.
         load: f64,
     },
-    /// Every point is tied to its resting position: a cell that adheres to a gel.
+    /// The cell adheres to an elastic gel.
+    Gel(Gel),
+    /// Every point is tied to its resting position: a cell on pillars, or on a thin gel.
     ElasticBed {
         /// Traction per displacement, kPa/um.
         stiffness: f64,
@@ -53,6 +57,11 @@ impl SupportKind {
             self,
             Self::ClampedEnds | Self::AfterloadedEnds { .. } | Self::SpringHeldEnds { .. }
         )
+    }
+
+    /// Whether what holds the cell gives way.
+    pub fn gives_way(self) -> bool {
+        matches!(self, Self::SpringHeldEnds { .. } | Self::ElasticBed { .. } | Self::Gel(_))
     }
 
     /// Whether one end or both are clamped; clamped parts do not change length.
@@ -70,7 +79,8 @@ impl SupportKind {
             Self::MassCentre
             | Self::ClampedEnd
             | Self::ClampedEnds
-            | Self::AfterloadedEnds { .. } => None,
+            | Self::AfterloadedEnds { .. }
+            | Self::Gel(_) => None,
             Self::SpringHeldEnds { stiffness } => {
                 Some(Anchors::spring_held_ends(mesh, axis, stiffness))
             }
@@ -101,7 +111,9 @@ impl Support {
         let [mut lower, upper] = end_nodes(mesh, axis);
         match kind {
             SupportKind::MassCentre => Self::MassCentre,
-            SupportKind::SpringHeldEnds { .. } | SupportKind::ElasticBed { .. } => Self::Free,
+            SupportKind::SpringHeldEnds { .. }
+            | SupportKind::ElasticBed { .. }
+            | SupportKind::Gel(_) => Self::Free,
             SupportKind::ClampedEnd => Self::Clamped(lower),
             // At their stops; a loaded grip that has left its stop is a force ([`super::loaded_end`]).
             SupportKind::ClampedEnds | SupportKind::AfterloadedEnds { .. } => {

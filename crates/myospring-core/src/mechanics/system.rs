@@ -1,5 +1,6 @@
 //! All forces on a body, with its support.
 
+use super::compliance::Compliance;
 use super::drag::Drag;
 use super::force::{Configuration, Force};
 use super::support::Support;
@@ -21,6 +22,11 @@ impl<const D: usize> System<D> {
     /// All forces except the drag, the passive ones first.
     pub fn forces(&self) -> impl Iterator<Item = &dyn Force<D>> {
         self.passive.iter().chain(&self.active).map(|force| &**force)
+    }
+
+    /// The body outside the mesh to which nodes are attached, if there is one.
+    pub fn compliance(&self) -> Option<&dyn Compliance<D>> {
+        self.passive.iter().find_map(|force| force.compliance())
     }
 
     /// Whether all forces except the drag are internal.
@@ -53,6 +59,12 @@ impl<const D: usize> System<D> {
     /// Energy stored in the passive forces, fJ; forces without an energy are left out.
     pub fn elastic_energy(&self, at: &Configuration<'_, D>) -> f64 {
         self.passive.iter().filter_map(|force| force.energy(at)).sum()
+    }
+
+    /// As [`System::elastic_energy`], without that of a body outside the mesh.
+    pub(crate) fn own_energy(&self, at: &Configuration<'_, D>) -> f64 {
+        let own = self.passive.iter().filter(|force| force.compliance().is_none());
+        own.filter_map(|force| force.energy(at)).sum()
     }
 
     /// Energy of the active forces at fixed tension, fJ; its decrease is their work.

@@ -8,6 +8,18 @@ pub fn zeros<const D: usize>(count: usize) -> Vectors<D> {
     std::array::from_fn(|_| vec![0.0; count])
 }
 
+/// Scalar product of the vectors of all nodes.
+pub(crate) fn product<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
+    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
+}
+
+/// Adds a multiple of the vectors of all nodes to others.
+pub(crate) fn add_scaled<const D: usize>(sum: &mut Vectors<D>, factor: f64, other: &Vectors<D>) {
+    for (sum, other) in sum.iter_mut().flatten().zip(other.iter().flatten()) {
+        *sum += factor * other;
+    }
+}
+
 /// Scalar product.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "belongs to the vectorised loops that use it")]

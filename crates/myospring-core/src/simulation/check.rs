@@ -4,12 +4,16 @@ use super::{Simulation, StretchFelt};
 use crate::exchange::{ActivationBounds, Sites};
 use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
+use crate::mechanics::gel::{Gel, GelError};
 use crate::mechanics::material::Stiffness;
 use crate::mechanics::support::SupportKind;
 
 /// An invalid setting.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SettingError {
+    /// A gel that does not fit the mesh.
+    #[error(transparent)]
+    Gel(GelError),
     /// A number out of range, or not a number.
     #[error("{what} is {value}{gap}{unit}; it must be {must}", gap = if unit.is_empty() { "" } else { " " })]
     Value {
@@ -245,8 +249,24 @@ impl Simulation {
                 value("the stiffness of the bed", stiffness, "kPa/um", true)
             }
             SupportKind::AfterloadedEnds { load } => value("the afterload", load, "nN", true),
+            SupportKind::Gel(gel) => self.check_gel(gel),
             SupportKind::MassCentre | SupportKind::ClampedEnd | SupportKind::ClampedEnds => Ok(()),
         }
+    }
+
+    fn check_gel(&self, gel: Gel) -> Checked {
+        value("Young's modulus of the gel", gel.modulus, "kPa", true)?;
+        if !(0.0..0.5).contains(&gel.poisson) {
+            let (what, must) = ("Poisson's ratio of the gel", "from 0 to below 0.5");
+            return Err(SettingError::Value { what, value: gel.poisson, unit: "", must });
+        }
+        if let Some(thickness) = gel.thickness {
+            value("the thickness of the gel", thickness, "um", true)?;
+        }
+        if let Some(stiffness) = gel.adhesion_stiffness {
+            value("the stiffness of the adhesion", stiffness, "kPa/um", true)?;
+        }
+        gel.check(&self.mesh).map_err(SettingError::Gel)
     }
 
     fn check_lists(&self) -> Checked {
@@ -373,11 +393,7 @@ impl Simulation {
             let because = "the path of equilibria of one tension lags as a whole; take one tension for the cell";
             return conflict(viscous, "a tension for each triangle", because);
         }
-        let springs = matches!(
-            self.support,
-            SupportKind::SpringHeldEnds { .. } | SupportKind::ElasticBed { .. }
-        );
-        if springs {
+        if self.support.gives_way() {
             let because =
                 "it would make the springs of the support viscous, too; take another support";
             return conflict(viscous, "a support that gives way", because);

@@ -7,10 +7,10 @@ use super::{Simulation, StopReason};
 use crate::cell::Output;
 use crate::exchange::Activation;
 use crate::mechanics::Vectors;
-use crate::recording::{END_FORCE, Frame, Recording, Sample, Signal};
+use crate::recording::{Frame, Recording, Sample, Signal};
 
 /// The recorded quantities of a shape; units as in [`Sample`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Observed {
     pub(super) length: f64,
     pub(super) width: f64,
@@ -21,8 +21,8 @@ pub(super) struct Observed {
     pub(super) dissipated_energy: f64,
     pub(super) momentum: f64,
     pub(super) angular_momentum: f64,
-    /// Only if both ends are held.
-    pub(super) end_force: Option<f64>,
+    /// Those of the gauges.
+    pub(super) gauges: Vec<f64>,
 }
 
 /// A shape that can be recorded.
@@ -71,12 +71,7 @@ impl Setup {
             unit: output.unit.into_owned(),
             values: Vec::new(),
         };
-        let ends = self.assembly.ends.as_ref().map(|_| Output {
-            name: END_FORCE.into(),
-            unit: "nN".into(),
-            meaning: "force with which the cell draws its ends inward".into(),
-        });
-        let outputs = self.activation.outputs().into_iter().chain(ends);
+        let outputs = self.activation.outputs().into_iter().chain(self.assembly.gauges.outputs());
         let mut recording =
             Recording { signals: outputs.map(signal).collect(), ..Recording::default() };
         let mut strongest: Option<Frame> = None;
@@ -105,8 +100,7 @@ impl Setup {
             if index % per_sample == 0 {
                 let observed = shaping.observe();
                 recording.samples.push(self.sample(time, &*meeting.activation, tension, &observed));
-                let values =
-                    meeting.activation.output_values().into_iter().chain(observed.end_force);
+                let values = meeting.activation.output_values().into_iter().chain(observed.gauges);
                 for (signal, value) in recording.signals.iter_mut().zip(values) {
                     signal.values.push(value);
                 }

@@ -9,11 +9,12 @@
 //! it pulls harder than the load it is at its stop, so its state does not depend on its history.
 
 use super::fault::{fault, projected_area};
+use super::gauges::GAUGES;
 use super::setup::Assembly;
 use super::{SetupError, Simulation, StopReason};
 use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
 use crate::interruption::{Interrupted, Interruption};
-use crate::mechanics::{Configuration, Vectors, zeros};
+use crate::mechanics::{Configuration, Vectors, product, zeros};
 use crate::mesh::Mesh;
 use std::sync::Arc;
 
@@ -369,10 +370,10 @@ impl Equilibria {
     }
 }
 
-/// Length, width, area, elastic energy, work of the active forces since tension 0, their energy at 1 kPa, force at
-/// the ends.
+/// Length, width, area, elastic energy, work of the active forces since tension 0, their energy at 1 kPa, and what the gauges
+/// tell.
 pub(super) type Quantities = [f64; QUANTITIES];
-const QUANTITIES: usize = 7;
+const QUANTITIES: usize = 6 + GAUGES;
 const WORK: usize = 4;
 pub(super) const PER_TENSION: usize = 5;
 
@@ -397,7 +398,10 @@ impl Curve {
         assembly: &Assembly,
         interruption: &Interruption,
     ) -> Result<Self, Interrupted> {
-        let Assembly { system, meter, ends, .. } = assembly;
+        let Assembly { system, meter, gauges, body, .. } = assembly;
+        // The forces on a gel are linear in the displacements, so they need not be solved for at each tension.
+        let gel = system.compliance();
+        let pulls = gel.map(|gel| shapes.linear(&body.positions, |moved| gel.forces_of(moved)));
         let knots = shapes.tensions();
         let mut tensions: Vec<f64> = knots
             .windows(2)
@@ -432,15 +436,26 @@ impl Curve {
                 velocities: &still,
                 tension: tension.into(),
             };
-            values.push([
+            let pulls = pulls.as_ref().and_then(|pulls| pulls.positions(tension));
+            let outside = match (gel, &pulls) {
+                (Some(gel), Some(pulls)) => 0.5 * product(pulls, &gel.displacements(&positions)),
+                _ => 0.0,
+            };
+            let mut quantities = [0.0; QUANTITIES];
+            quantities[..6].copy_from_slice(&[
                 extent.length,
                 extent.width,
                 projected_area(mesh, &positions),
-                system.elastic_energy(&at),
+                system.own_energy(&at) + outside,
                 0.0,
                 energy(&positions, 1.0),
-                ends.as_ref().map_or(0.0, |ends| ends.of(system, &at)),
             ]);
+            for (quantity, told) in
+                quantities[6..].iter_mut().zip(gauges.read(system, &at, pulls.as_ref()))
+            {
+                *quantity = told;
+            }
+            values.push(quantities);
             sound.push(fault(mesh, &positions, 0.0, tension).is_none());
             before = Some((tension, positions));
         }

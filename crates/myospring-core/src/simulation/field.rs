@@ -179,7 +179,7 @@ impl Observable for FromRestToRest<'_> {
             dissipated_energy: 0.0,
             momentum: 0.0,
             angular_momentum: 0.0,
-            end_force: assembly.ends.as_ref().map(|ends| ends.of(&assembly.system, &at)),
+            gauges: assembly.gauges.read_now(&assembly.system, &at),
         }
     }
 

@@ -245,7 +245,7 @@ impl Observable for InTime<'_> {
             dissipated_energy: self.ledger.dissipated,
             momentum: momentum[0].hypot(momentum[1]),
             angular_momentum: body.angular_momentum() - orbital,
-            end_force: assembly.ends.as_ref().map(|ends| ends.of(&assembly.system, &at)),
+            gauges: assembly.gauges.read_now(&assembly.system, &at),
         }
     }
 

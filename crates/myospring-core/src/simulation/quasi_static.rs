@@ -202,8 +202,9 @@ impl Shaping for AlongPath<'_> {
 
 impl Observable for AlongPath<'_> {
     fn observe(&self) -> Observed {
-        let [length, width, area, elastic_energy, work, _, end_force] =
+        let [length, width, area, elastic_energy, work, _, gauges @ ..] =
             self.equilibria.at(self.state.tension);
+        let told = self.setup.assembly.gauges.outputs().len();
         let [_, _, _, elastic_at_start, work_at_start, ..] = self.start;
         let active_work = if self.keeps_account() { self.state.work } else { work - work_at_start };
         let dissipated_energy =
@@ -218,7 +219,7 @@ impl Observable for AlongPath<'_> {
             dissipated_energy,
             momentum: 0.0,
             angular_momentum: 0.0,
-            end_force: self.setup.assembly.ends.as_ref().map(|_| end_force),
+            gauges: gauges[..told].to_vec(),
         }
     }
 

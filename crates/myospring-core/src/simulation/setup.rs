@@ -1,6 +1,7 @@
 //! The common start of every run: assembled forces, an activation in its first state, a meter.
 
 use super::check::check_strongest;
+use super::gauges::Gauges;
 use super::{SetupError, Simulation};
 use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::pacing::Protocol;
@@ -12,7 +13,7 @@ use crate::mechanics::active::{FibreStretch, Myofibrils};
 use crate::mechanics::loaded_end::LoadedEnd;
 use crate::mechanics::material::assemble;
 use crate::mechanics::support::{Support, SupportKind};
-use crate::mechanics::{Body, Configuration, Following, System, Tension, Vectors, zeros};
+use crate::mechanics::{Body, Following, System, Tension, Vectors};
 use crate::mesh::ends::{end_nodes, end_zones};
 use crate::mesh::simplex::measure_at;
 use crate::mesh::{Simplex, SpringKind};
@@ -53,34 +54,13 @@ pub(super) struct Assembly {
     pub(super) held_length: f64,
     /// The length within clamps, which neither stretches nor shortens, um.
     gripped_length: f64,
-    /// The force at the ends, if both are held.
-    pub(super) ends: Option<EndForce>,
+    pub(super) gauges: Gauges,
 }
 
 impl Assembly {
     /// Mean stretch of the cell between the clamps, at this length (um).
     pub(super) fn stretch(&self, length: f64) -> f64 {
         (length - self.gripped_length) / (self.resting_length - self.gripped_length)
-    }
-}
-
-/// The force of a cell at its upper end.
-#[derive(Debug, Clone)]
-pub(super) struct EndForce {
-    nodes: Vec<usize>,
-    axis: [f64; 2],
-}
-
-impl EndForce {
-    /// Force with which the end is drawn inward, nN; negative where it is pushed out.
-    pub(super) fn of(&self, system: &System, at: &Configuration<'_>) -> f64 {
-        let mut forces = zeros(at.positions[0].len());
-        for force in system.passive.iter().chain(&system.active).filter(|force| force.is_internal())
-        {
-            force.add_forces(at, &mut forces);
-        }
-        let along = |&node: &usize| forces[0][node] * self.axis[0] + forces[1][node] * self.axis[1];
-        -self.nodes.iter().map(along).sum::<f64>()
     }
 }
 
@@ -234,7 +214,7 @@ impl Simulation {
     /// The cell that has left its stop under the load of an afterloaded contraction; `held` is it before.
     pub(super) fn loaded(&self, held: &Assembly) -> Option<Assembly> {
         let SupportKind::AfterloadedEnds { load } = self.support else { return None };
-        let Assembly { meter, resting_length, held_length, gripped_length, ends, .. } = held;
+        let Assembly { meter, resting_length, held_length, gripped_length, gauges, .. } = held;
         let (mut body, mut system) = assemble(
             &self.mesh,
             &self.material,
@@ -248,7 +228,7 @@ impl Simulation {
         let spring = self.material.spring_stiffness(SpringKind::Axial);
         let grip = LoadedEnd::new(&self.mesh, self.long_axis, &body.positions, spring, load);
         system.passive.push(Box::new(grip));
-        let (meter, ends) = (meter.clone(), ends.clone());
+        let (meter, gauges) = (meter.clone(), gauges.clone());
         Some(Assembly {
             body,
             system,
@@ -256,7 +236,7 @@ impl Simulation {
             resting_length: *resting_length,
             held_length: *held_length,
             gripped_length: *gripped_length,
-            ends,
+            gauges,
         })
     }
 
@@ -302,13 +282,15 @@ impl Simulation {
             }
             _ => meter,
         };
-        let ends = self.support.holds_both_ends().then(|| {
+        let end = self.support.holds_both_ends().then(|| {
             let [_, nodes] = end_nodes(&self.mesh, self.long_axis);
-            EndForce { nodes, axis: self.long_axis }
+            nodes
         });
+        let adheres = system.compliance().is_some();
+        let gauges = Gauges { end, adheres, axis: self.long_axis };
         let gripped_length = gripped[0] + gripped[1];
         let held_length = resting_length;
-        Assembly { body, system, meter, resting_length, held_length, gripped_length, ends }
+        Assembly { body, system, meter, resting_length, held_length, gripped_length, gauges }
     }
 }
 

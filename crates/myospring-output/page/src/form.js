@@ -43,6 +43,9 @@ const GROUPS = [
       { key: "mechanics.afterload", name: "afterload", slider: [100, 10000, 100], start: 2000, when: support("afterloaded-ends") },
       { key: "mechanics.end_stiffness", name: "stiffness of the springs", slider: [10, 2000, 10], start: 100, when: support("spring-held-ends") },
       { key: "mechanics.bed_stiffness", name: "stiffness of the bed", slider: [0.05, 5, 0.05], start: 0.5, when: support("elastic-bed") },
+      { key: "mechanics.gel_modulus", name: "modulus of the gel", slider: [0.5, 100, 0.5], start: 10, when: support("gel") },
+      { key: "mechanics.gel_thickness", name: "thickness of the gel", slider: [2, 200, 1], start: 100, when: support("gel") },
+      { key: "mechanics.adhesion", name: "where it adheres", when: support("gel") },
     ],
   ],
   [

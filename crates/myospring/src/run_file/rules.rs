@@ -38,7 +38,9 @@ struct Springs {
     advice: &'static str,
 }
 
-const SPRINGS: [Springs; 3] = [
+const OF_GEL: &str = "only support = \"gel\" has it; choose that support or leave it out";
+
+const SPRINGS: [Springs; 8] = [
     Springs {
         support: "spring-held-ends",
         key: "mechanics.end_stiffness",
@@ -62,6 +64,18 @@ const SPRINGS: [Springs; 3] = [
         reason: None,
         advice: "only support = \"elastic-bed\" has it; choose that support or leave it out",
     },
+    Springs {
+        support: "gel",
+        key: "mechanics.gel_modulus",
+        reason: Some(
+            "a gel needs its Young's modulus: give it like gel_modulus = \"10 kPa\", or --gel-modulus \"10 kPa\"",
+        ),
+        advice: OF_GEL,
+    },
+    Springs { support: "gel", key: "mechanics.gel_poisson", reason: None, advice: OF_GEL },
+    Springs { support: "gel", key: "mechanics.gel_thickness", reason: None, advice: OF_GEL },
+    Springs { support: "gel", key: "mechanics.adhesion", reason: None, advice: OF_GEL },
+    Springs { support: "gel", key: "mechanics.adhesion_stiffness", reason: None, advice: OF_GEL },
 ];
 
 /// Returns the keys that an option overrides when it sets this key to this value; `model` is the cell model that
@@ -397,6 +411,7 @@ fn support(file: &RunFile, run: &Run) -> Checked {
     let holder = match run.support {
         SupportKind::SpringHeldEnds { .. } => Some("spring-held-ends"),
         SupportKind::ElasticBed { .. } => Some("elastic-bed"),
+        SupportKind::Gel(_) => Some("gel"),
         SupportKind::AfterloadedEnds { .. } => Some("afterloaded-ends"),
         SupportKind::MassCentre | SupportKind::ClampedEnd | SupportKind::ClampedEnds => None,
     };
@@ -436,9 +451,7 @@ fn method(file: &RunFile, run: &Run) -> Checked {
         }
         return Ok(());
     }
-    let gives_way =
-        matches!(run.support, SupportKind::SpringHeldEnds { .. } | SupportKind::ElasticBed { .. });
-    if viscous && gives_way {
+    if viscous && run.support.gives_way() {
         let advice = "the springs of the support would be viscous, too; choose another support, or leave the \
                       retardation time out";
         return exclude("mechanics.support", "material.retardation_time", advice);

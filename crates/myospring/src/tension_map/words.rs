@@ -1,6 +1,7 @@
 //! Verdicts on a map.
 
 use super::TensionMap;
+use crate::mechanics::gel::Gel;
 use crate::mechanics::support::SupportKind;
 use crate::simulation::Simulation;
 
@@ -115,6 +116,10 @@ impl TensionMap {
             SupportKind::ElasticBed { stiffness } => format!(
                 "the tensions are proportional to the assumed stiffness, {modulus} kPa of the cell and {stiffness} \
                 kPa/um of its bed"
+            ),
+            SupportKind::Gel(Gel { modulus: gel, .. }) => format!(
+                "the tensions are proportional to the assumed stiffness, {modulus} kPa of the cell and {gel} kPa of \
+                its gel"
             ),
             _ => format!(
                 "the tensions are proportional to the assumed stiffness, {modulus} kPa"

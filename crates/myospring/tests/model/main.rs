@@ -15,6 +15,7 @@ mod cell_population;
 mod cell_solver;
 mod checks;
 mod exchange;
+mod gel;
 mod interruption;
 mod land_2017;
 mod mechanics;

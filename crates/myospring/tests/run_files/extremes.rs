@@ -33,6 +33,13 @@ fn with_place(setting: &Setting) -> RunFile {
             &[("numerics.frame_interval", "1000 ms"), ("numerics.output_interval", "1000 ms")]
         }
         "mechanics.bed_stiffness" => &[("mechanics.support", "elastic-bed")],
+        "mechanics.gel_modulus"
+        | "mechanics.gel_poisson"
+        | "mechanics.gel_thickness"
+        | "mechanics.adhesion"
+        | "mechanics.adhesion_stiffness" => {
+            &[("mechanics.support", "gel"), ("mechanics.gel_modulus", "10 kPa")]
+        }
         "mechanics.end_stretch" => &[("mechanics.support", "clamped-ends")],
         _ => &[],
     };

@@ -12,10 +12,11 @@
 //! removes). A body that outer forces hold, such as an elastic bed, needs none of this.
 
 use super::factor::{Factor, FactorError};
+use super::tied;
 use crate::interruption::Interruption;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
-use crate::mechanics::{Body, Configuration, System, Tension, Vectors, zeros};
+use crate::mechanics::{Body, Configuration, System, Tension, Vectors, product, zeros};
 use std::array::from_fn;
 
 /// Why an equilibrium was not found.
@@ -43,6 +44,11 @@ impl From<FactorError> for Failure {
 
 /// Largest number of iterations of Newton's method.
 const ITERATIONS: usize = 25;
+
+/// How well a body that is tied to another one is solved for, as a part of the forces between them: for a correction, after
+/// which others follow, and for what is kept.
+const INEXACT: f64 = 1e-5;
+const EXACT: f64 = 1e-10;
 
 /// Largest number of rounds of removing the rotation with three axes; a few are enough.
 const TURNS: usize = 50;
@@ -159,7 +165,15 @@ impl<'a, const D: usize> Solver<'a, D> {
 
     /// Displacements (um) under forces (nN), with the last factorised stiffness.
     pub(super) fn response(&mut self, forces: &Vectors<D>) -> Vectors<D> {
-        self.factor.solve(forces)
+        self.respond(forces, EXACT)
+    }
+
+    /// As [`Solver::response`], up to a part of the forces on what the body is tied to.
+    fn respond(&mut self, forces: &Vectors<D>, tolerance: f64) -> Vectors<D> {
+        match self.system.compliance() {
+            Some(other) => tied::solve(&mut self.factor, other, forces, tolerance),
+            None => self.factor.solve(forces),
+        }
     }
 
     /// The equilibrium under a uniform tension (kPa) near a guess, with its slope; corrections below
@@ -204,7 +218,7 @@ impl<'a, const D: usize> Solver<'a, D> {
         for _ in 0..ITERATIONS {
             let forces = self.forces(&positions, tension);
             self.factorise(&positions, tension)?;
-            let correction = self.factor.solve(&forces);
+            let correction = self.respond(&forces, INEXACT);
             let largest = largest(&correction);
             if !largest.is_finite() {
                 return Err(Failure::NoRest);
@@ -218,7 +232,7 @@ impl<'a, const D: usize> Solver<'a, D> {
                 return Ok((positions, corrections));
             }
             // K is positive definite, so the energy falls in this direction, at this rate.
-            let drop = dot(&forces, &correction);
+            let drop = product(&forces, &correction);
             let mut part = 1.0;
             loop {
                 let trial = moved(&positions, &correction, part);
@@ -258,7 +272,7 @@ impl<'a, const D: usize> Solver<'a, D> {
             for axis in &mut mode {
                 axis.iter_mut().zip(&self.body.masses).for_each(|(x, mass)| *x *= mass);
             }
-            mode = self.factor.solve(&mode);
+            mode = self.respond(&mode, INEXACT);
             if adrift(self.system) && !matches!(self.system.support, Support::Clamped(_)) {
                 mode = self.in_place(positions.clone(), mode).1;
             }
@@ -273,8 +287,8 @@ impl<'a, const D: usize> Solver<'a, D> {
     fn at_rest(&mut self, positions: Vectors<D>, tension: f64, corrections: Vec<f64>) -> Rest<D> {
         let load = self.load(&positions, tension);
         // 0 = d f/d Ta = load - K dx/dTa
-        let slope = self.factor.solve(&load);
-        let compliance = dot(&slope, &load);
+        let slope = self.response(&load);
+        let compliance = product(&slope, &load);
         let (positions, slope) = match self.system.support {
             Support::MassCentre | Support::Free if adrift(self.system) => {
                 self.in_place(positions, slope)
@@ -435,10 +449,6 @@ pub(super) fn largest<const D: usize>(vectors: &Vectors<D>) -> f64 {
 
 fn moved<const D: usize>(positions: &Vectors<D>, direction: &Vectors<D>, by: f64) -> Vectors<D> {
     from_fn(|axis| positions[axis].iter().zip(&direction[axis]).map(|(x, d)| x + by * d).collect())
-}
-
-fn dot<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
-    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

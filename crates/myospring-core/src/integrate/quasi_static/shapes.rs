@@ -1,7 +1,7 @@
 //! Shapes as functions of the tension: the result of a path.
 
 use super::tolerance::Tolerance;
-use crate::mechanics::{Vectors, zeros};
+use crate::mechanics::{Vectors, add_scaled, zeros};
 
 /// The end of one load step.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,6 +68,22 @@ impl<const D: usize> Shapes<D> {
         let mut positions = zeros(branch[0].positions[0].len());
         interpolate(&branch[after - 1], &branch[after], tension, &mut positions);
         Some(positions)
+    }
+
+    /// What depends linearly on the displacements from rest, as a function of the tension: `of` gives it for displacements,
+    /// and [`Shapes::positions`] of the result at a tension.
+    pub(crate) fn linear(
+        &self,
+        rest: &Vectors<D>,
+        of: impl Fn(&Vectors<D>) -> Vectors<D>,
+    ) -> Shapes<D> {
+        let knot = |knot: &Knot<D>| {
+            let mut moved = knot.positions.clone();
+            add_scaled(&mut moved, -1.0, rest);
+            Knot { tension: knot.tension, positions: of(&moved), slope: of(&knot.slope) }
+        };
+        let branches = self.branches.each_ref().map(|branch| branch.iter().map(knot).collect());
+        Self { branches, ..self.clone() }
     }
 
     /// The largest estimated error of an interpolated position, um.

@@ -10,7 +10,9 @@ use super::super::sarcomeres::SARCOMERE_ENDINGS;
 use super::super::setting::{Setting, ValueKind};
 use super::super::value::Value;
 use super::super::words::{Word, Worded, choose, worded};
+use crate::integrate::Method;
 use crate::mechanics::active::ActiveLaw;
+use crate::mechanics::gel::{Adhesion, Gel};
 use crate::mechanics::support::SupportKind;
 use crate::microscopy::fibres::{FibreSettings, Stain};
 use crate::units::Dimension;
@@ -35,6 +37,7 @@ enum SupportName {
     ClampedEnds,
     AfterloadedEnds,
     SpringHeldEnds,
+    Gel,
     ElasticBed,
 }
 
@@ -50,8 +53,17 @@ worded! { SupportName {
     SupportName::SpringHeldEnds = "spring-held-ends":
         "A spring at either end, such as a carbon fibre: an auxotonic contraction; needs \
          `end_stiffness`.",
+    SupportName::Gel = "gel":
+        "The cell adheres to an elastic gel of `gel_modulus`, a half-space or a layer on glass, and pulls on it within the \
+         plane; quasi-static unless an integrator is stated, since each step in time solves for the gel.",
     SupportName::ElasticBed = "elastic-bed":
-        "Every point is tied to its resting position, as on a gel of `bed_stiffness`.",
+        "Every point is tied to its resting position by `bed_stiffness`, as on pillars or a thin gel.",
+} }
+
+worded! { Adhesion {
+    Adhesion::Everywhere = "everywhere": "The whole cell adheres.",
+    Adhesion::Ends = "ends": "A fifth of its length at either end.",
+    Adhesion::Rim = "rim": "What lies within 3 um of its outline.",
 } }
 
 /// Stiffness of a bed unless stated, kPa/um: that of `examples/gel.toml`. A run says that it was assumed.
@@ -213,6 +225,9 @@ pub(super) const ROWS: &[Setting] = &[
             get: |run| Some(support_name(run.support).word()),
             set: |run, word| {
                 run.support = support(SupportName::of_word(word)?);
+                if let SupportKind::Gel(_) = run.support {
+                    run.numerics.method = Method::QuasiStatic;
+                }
                 Some(())
             },
         },
@@ -287,9 +302,75 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying(
         "--bed-stiffness",
         "STIFFNESS",
-        "Stiffness of an elastic-bed, such as a gel, traction per displacement",
+        "Stiffness of an elastic-bed, such as pillars, traction per displacement",
+    ),
+    Setting::quantity(
+        "mechanics.gel_modulus",
+        "Young's modulus of the gel under the cell of \"gel\".",
+        Bounds::any(Dimension::Pressure, "10 kPa").from(1e-3).to(1e6),
+        |run| gel(run).map(|gel| gel.modulus),
+        |run, modulus| change_gel(run, |gel| gel.modulus = modulus),
+    )
+    .option_saying("--gel-modulus", "MODULUS", "Young's modulus of the gel of support gel"),
+    Setting::quantity(
+        "mechanics.gel_poisson",
+        "Poisson's ratio of the gel: 0.49 of one that keeps its volume, 0.4 to 0.5 of polyacrylamide.",
+        Bounds::any(Dimension::Number, "0.49").from(0.0).to(0.499),
+        |run| gel(run).map(|gel| gel.poisson),
+        |run, poisson| change_gel(run, |gel| gel.poisson = poisson),
+    )
+    .otherwise("0.49")
+    .option_saying("--gel-poisson", "RATIO", "Poisson's ratio of the gel"),
+    Setting::quantity(
+        "mechanics.gel_thickness",
+        "Thickness of the gel, which is bonded to glass; unless stated it is so thick that the glass is not felt.",
+        Bounds::any(Dimension::Length, "50 um").from(0.1).to(1e5),
+        |run| gel(run).and_then(|gel| gel.thickness),
+        |run, thickness| change_gel(run, |gel| gel.thickness = Some(thickness)),
+    )
+    .option_saying("--gel-thickness", "LENGTH", "Thickness of the gel, bonded to glass"),
+    Setting::new(
+        "mechanics.adhesion",
+        "Where the cell adheres to the gel.",
+        ValueKind::Words {
+            words: Adhesion::WORDS,
+            get: |run| gel(run).map(|gel| gel.adhesion.word()),
+            set: |run, word| {
+                let adhesion = Adhesion::of_word(word)?;
+                change_gel(run, |gel| gel.adhesion = adhesion);
+                Some(())
+            },
+        },
+    )
+    .otherwise("everywhere")
+    .option("--adhesion", "WHERE"),
+    Setting::quantity(
+        "mechanics.adhesion_stiffness",
+        "Stiffness of what ties the cell to the gel, traction per distance; unless stated it does not give way.",
+        Bounds::any(Dimension::BedStiffness, "5 kPa/um").above(0.0).to(1e6),
+        |run| gel(run).and_then(|gel| gel.adhesion_stiffness),
+        |run, stiffness| change_gel(run, |gel| gel.adhesion_stiffness = Some(stiffness)),
+    )
+    .option_saying(
+        "--adhesion-stiffness",
+        "STIFFNESS",
+        "Stiffness of what ties the cell to the gel, traction per distance",
     ),
 ];
+
+/// The gel under the cell, if it is on one.
+fn gel(run: &Run) -> Option<Gel> {
+    match run.support {
+        SupportKind::Gel(gel) => Some(gel),
+        _ => None,
+    }
+}
+
+fn change_gel(run: &mut Run, change: impl FnOnce(&mut Gel)) {
+    if let SupportKind::Gel(gel) = &mut run.support {
+        change(gel);
+    }
+}
 
 fn set_fibre(run: &mut Run, value: &Value) -> Result<(), Problem> {
     let text = value.written();
@@ -313,12 +394,13 @@ fn support_name(support: SupportKind) -> SupportName {
         SupportKind::ClampedEnds => SupportName::ClampedEnds,
         SupportKind::AfterloadedEnds { .. } => SupportName::AfterloadedEnds,
         SupportKind::SpringHeldEnds { .. } => SupportName::SpringHeldEnds,
+        SupportKind::Gel(_) => SupportName::Gel,
         SupportKind::ElasticBed { .. } => SupportName::ElasticBed,
     }
 }
 
-/// The support with this name; the rules of run files require the stiffness of springs at the ends, or
-/// the load.
+/// The support with this name; the rules of run files require the stiffness of springs at the ends, the load, or the modulus
+/// of the gel.
 fn support(name: SupportName) -> SupportKind {
     match name {
         SupportName::MassCentre => SupportKind::MassCentre,
@@ -326,6 +408,7 @@ fn support(name: SupportName) -> SupportKind {
         SupportName::ClampedEnds => SupportKind::ClampedEnds,
         SupportName::AfterloadedEnds => SupportKind::AfterloadedEnds { load: 0.0 },
         SupportName::SpringHeldEnds => SupportKind::SpringHeldEnds { stiffness: 0.0 },
+        SupportName::Gel => SupportKind::Gel(Gel::half_space(0.0)),
         SupportName::ElasticBed => SupportKind::ElasticBed { stiffness: USUAL_BED },
     }
 }

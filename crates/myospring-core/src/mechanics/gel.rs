@@ -1,0 +1,361 @@
+//! A gel under the cell: an elastic half-space, or a layer bonded to glass.
+//!
+//! The flat cell adheres to the surface of the gel and pulls on it within the plane; it neither presses nor lifts. The
+//! displacement of the surface under forces `t` of the cell is linear in them, `u = C t` (`green`, `layer`), and an adhesion
+//! that gives way adds the displacement `t/(k_a A)` of a node of area `A`. The cell's nodes go where the surface goes, so the
+//! gel pulls back with
+//!
+//! ```text
+//! f = -t,     (C + 1/(k_a A)) t = x - X          E = t . (x - X) / 2
+//! ```
+//!
+//! The force of each node acts on a square of the lattice's spacing around it. `C` is a Toeplitz matrix then, whose product is
+//! a convolution (`convolution`): memory and time of a product go as the number of nodes. The forces are found by conjugate
+//! gradients, preconditioned by springs that are like the gel ([`Compliance::likeness`]).
+
+mod convolution;
+mod green;
+mod layer;
+
+use super::compliance::Compliance;
+use super::force::{Configuration, Force};
+use super::stiffness::StiffnessMatrix;
+use super::vectors::{Vectors, add_scaled, product, zeros};
+use crate::mesh::ends::end_zones;
+use crate::mesh::{Lattice, Mesh, SpringKind};
+use convolution::Convolution;
+use green::Green;
+use serde::Serialize;
+use std::f64::consts::PI;
+use std::sync::{Mutex, PoisonError};
+
+/// Part of the cell's length that adheres at either end, where only its ends adhere.
+pub const ADHERING_END: f64 = 0.2;
+/// Width of the rim that adheres, um, where only the rim does: that of mature focal adhesions.
+pub const ADHERING_RIM: f64 = 3.0;
+
+/// Displacements that the forces leave unexplained, as a part of all.
+const SOLVED: f64 = 1e-10;
+/// Largest number of rounds of conjugate gradients; some 30 are enough.
+const ROUNDS: usize = 1000;
+
+/// A gel, and how the cell adheres to it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Gel {
+    /// Young's modulus, kPa.
+    pub modulus: f64,
+    /// Poisson's ratio, at least 0 and below 0.5.
+    pub poisson: f64,
+    /// Thickness of a layer that is bonded to glass, um; `None` is a half-space.
+    pub thickness: Option<f64>,
+    /// Where the cell adheres.
+    pub adhesion: Adhesion,
+    /// Traction per distance between cell and surface, kPa/um; `None` does not give way.
+    pub adhesion_stiffness: Option<f64>,
+}
+
+/// Where a cell adheres.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Adhesion {
+    /// In every place.
+    Everywhere,
+    /// In the outer [`ADHERING_END`] of its length at either end.
+    Ends,
+    /// Within [`ADHERING_RIM`] of its outline.
+    Rim,
+}
+
+/// Why there is no such gel under a mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum GelError {
+    /// A layer thinner than the spacing of the nodes.
+    #[error(
+        "the gel thickness is {thickness} um, less than the spacing of the mesh, {spacing} um; give a finer spacing, or take \
+         support = \"elastic-bed\" with bed_stiffness = G/h, the shear modulus over the thickness"
+    )]
+    ThinLayer {
+        /// Its thickness, um.
+        thickness: f64,
+        /// The spacing, um.
+        spacing: f64,
+    },
+    /// A mesh without a lattice.
+    #[error(
+        "a gel needs a mesh on a lattice; this one has its nodes anywhere: take support = \"elastic-bed\""
+    )]
+    NoLattice,
+}
+
+impl Gel {
+    /// A half-space of this modulus (kPa) that is all but incompressible, to which a cell adheres in every place.
+    pub fn half_space(modulus: f64) -> Self {
+        Self {
+            modulus,
+            poisson: 0.49,
+            thickness: None,
+            adhesion: Adhesion::Everywhere,
+            adhesion_stiffness: None,
+        }
+    }
+
+    /// Shear modulus, kPa: `E / (2 (1 + nu))`.
+    pub fn shear_modulus(&self) -> f64 {
+        self.modulus / (2.0 * (1.0 + self.poisson))
+    }
+
+    /// Whether it can be under a mesh.
+    ///
+    /// # Errors
+    /// A layer thinner than the spacing of the nodes, a mesh that is no lattice.
+    pub fn check(&self, mesh: &Mesh) -> Result<(), GelError> {
+        let &Lattice { spacing, .. } = mesh.lattice.as_ref().ok_or(GelError::NoLattice)?;
+        match self.thickness {
+            Some(thickness) if thickness < spacing => {
+                Err(GelError::ThinLayer { thickness, spacing })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Traction per displacement, kPa/um, of waves of traction across the wave vector with this wave number, 1/um.
+    fn stiffness_of_waves(&self, number: f64) -> f64 {
+        let shear = match self.thickness {
+            Some(thickness) => layer::compliance(self.poisson, number * thickness)[1],
+            None => 1.0,
+        } / (self.shear_modulus() * number);
+        (shear + self.adhesion_stiffness.map_or(0.0, f64::recip)).recip()
+    }
+}
+
+impl Adhesion {
+    /// The nodes that adhere, of a mesh whose long axis is the unit vector `axis`.
+    fn nodes(self, mesh: &Mesh, axis: [f64; 2]) -> Vec<usize> {
+        let all = 0..mesh.len();
+        match self {
+            Self::Everywhere => all.collect(),
+            Self::Ends => {
+                let [[low, _], [_, high]] = end_zones(mesh, axis);
+                let depth = ADHERING_END * (high - low);
+                let along = |node: usize| {
+                    let [x, y] = mesh.point(node);
+                    x * axis[0] + y * axis[1]
+                };
+                all.filter(|&node| !(low + depth..=high - depth).contains(&along(node))).collect()
+            }
+            Self::Rim => {
+                let rim = rim(mesh);
+                let near = |node: usize| {
+                    let [x, y] = mesh.point(node);
+                    rim.iter().any(|[p, q]| (x - p).hypot(y - q) <= ADHERING_RIM)
+                };
+                all.filter(|&node| near(node)).collect()
+            }
+        }
+    }
+}
+
+/// Places of the nodes on the rim, which have less than a whole square of the lattice.
+fn rim(mesh: &Mesh) -> Vec<[f64; 2]> {
+    let whole = mesh.areas.iter().copied().fold(0.0, f64::max);
+    let nodes = 0..mesh.len();
+    nodes.filter(|&node| mesh.areas[node] < 0.999 * whole).map(|node| mesh.point(node)).collect()
+}
+
+/// A gel under one mesh.
+pub struct GelBed {
+    gel: Gel,
+    /// The nodes that adhere, their places on the lattice, and where they are without force, um.
+    nodes: Vec<usize>,
+    places: Vec<[u32; 2]>,
+    rest: Vectors,
+    /// Displacement per force of the adhesion of each, um/nN.
+    slack: Vec<f64>,
+    convolution: Convolution,
+    /// Springs like the gel: stiffness (nN/um) to the resting place, of each node, and between neighbours, by their places
+    /// in `nodes`.
+    anchors: Vec<f64>,
+    ties: Vec<([usize; 2], f64)>,
+    /// The last forces, with the displacements that they belong to: force and energy are asked for at the same place.
+    last: Mutex<Option<(Vectors, Vectors)>>,
+}
+
+impl GelBed {
+    /// A gel under a mesh whose long axis is the unit vector `axis`.
+    ///
+    /// # Errors
+    /// Those of [`Gel::check`].
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mechanics::compliance::Compliance;
+    /// use myospring::mechanics::gel::{Gel, GelBed};
+    /// use myospring::mesh::lattice;
+    /// let strip = lattice::rectangle(60, 20, 1.0)?;
+    /// let bed = GelBed::new(Gel::half_space(10.0), &strip, [1.0, 0.0])?;
+    /// // Shortening by a tenth about the middle pulls both ends inward.
+    /// let x = strip.points[0].iter().map(|x| 30.0 + 0.9 * (x - 30.0)).collect();
+    /// let [tractions, _] = bed.forces(&bed.displacements(&[x, strip.points[1].clone()]));
+    /// assert!(tractions[0] > 0.0 && tractions[60] < 0.0);
+    /// assert!(tractions.iter().sum::<f64>().abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(gel: Gel, mesh: &Mesh, axis: [f64; 2]) -> Result<Self, GelError> {
+        let Lattice { spacing, shape, cells, .. } =
+            mesh.lattice.as_ref().ok_or(GelError::NoLattice)?;
+        gel.check(mesh)?;
+        let green = Green::new(gel, *spacing);
+        let convolution = Convolution::new(&green, *spacing, *shape);
+        let nodes = gel.adhesion.nodes(mesh, axis);
+        let mut number = vec![None; mesh.len()];
+        for (place, &node) in nodes.iter().enumerate() {
+            number[node] = Some(place);
+        }
+        let axial = mesh.springs.iter().filter(|spring| spring.kind == SpringKind::Axial);
+        let pairs =
+            axial.map(|spring| (spring.nodes.map(|node| number[node as usize]), spring.share));
+        let pairs = pairs.filter_map(|([a, b], share)| Some(([a?, b?], share)));
+        // Anchors and ties resist waves with `a + b k^2`. The gel resists them with a concave function of `k^2`, which lies
+        // above its chord between the longest and the shortest waves of the lattice.
+        let longest = shape.iter().copied().max().unwrap_or(1).max(2) as f64 * spacing;
+        let numbers = [0.5 * PI / longest, PI / spacing];
+        let [soft, stiff] = numbers.map(|number| gel.stiffness_of_waves(number));
+        let per_square = (stiff - soft) / (numbers[1].powi(2) - numbers[0].powi(2));
+        let anchor = soft - per_square * numbers[0].powi(2);
+        let [own, ..] = green.at(0.0, 0.0);
+        let slack = |&node: &usize| {
+            // A node on the rim has a part of a square, in which its force moves the gel further.
+            let part = (mesh.areas[node] / (spacing * spacing)).sqrt();
+            own * (1.0 / part - 1.0)
+                + gel.adhesion_stiffness.map_or(0.0, |k| 1.0 / (k * mesh.areas[node]))
+        };
+        Ok(Self {
+            gel,
+            places: nodes.iter().map(|&node| cells[node]).collect(),
+            rest: [0, 1]
+                .map(|axis: usize| nodes.iter().map(|&node| mesh.points[axis][node]).collect()),
+            slack: nodes.iter().map(slack).collect(),
+            convolution,
+            anchors: nodes.iter().map(|&node| anchor * mesh.areas[node]).collect(),
+            ties: pairs.map(|(pair, share)| (pair, share * per_square)).collect(),
+            nodes,
+            last: Mutex::default(),
+        })
+    }
+
+    /// The gel.
+    pub fn gel(&self) -> &Gel {
+        &self.gel
+    }
+}
+
+impl Compliance for GelBed {
+    fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    fn displacements(&self, positions: &Vectors) -> Vectors {
+        [0, 1].map(|axis: usize| {
+            let places = self.nodes.iter().map(|&node| positions[axis][node]);
+            places.zip(&self.rest[axis]).map(|(now, rest)| now - rest).collect()
+        })
+    }
+
+    fn forces(&self, displacements: &Vectors) -> Vectors {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, tractions)) = last.as_ref()
+            && of == displacements
+        {
+            return tractions.clone();
+        }
+        let mut tractions = zeros(self.nodes.len());
+        let mut rest = displacements.clone();
+        let enough = SOLVED * product(displacements, displacements).sqrt();
+        let mut improved = self.likeness(&rest);
+        let mut direction = improved.clone();
+        let mut drop = product(&rest, &improved);
+        for _ in 0..ROUNDS {
+            if product(&rest, &rest).sqrt() <= enough {
+                break;
+            }
+            let moved = self.displaced(&direction);
+            let step = drop / product(&direction, &moved);
+            add_scaled(&mut tractions, step, &direction);
+            add_scaled(&mut rest, -step, &moved);
+            improved = self.likeness(&rest);
+            let before = std::mem::replace(&mut drop, product(&rest, &improved));
+            for (direction, improved) in direction.iter_mut().zip(&improved) {
+                for (direction, improved) in direction.iter_mut().zip(improved) {
+                    *direction = improved + drop / before * *direction;
+                }
+            }
+        }
+        *last = Some((displacements.clone(), tractions.clone()));
+        tractions
+    }
+
+    fn displaced(&self, forces: &Vectors) -> Vectors {
+        let mut moved = self.convolution.displacements(&self.places, forces);
+        for (moved, forces) in moved.iter_mut().zip(forces) {
+            for (moved, (slack, force)) in moved.iter_mut().zip(self.slack.iter().zip(forces)) {
+                *moved += slack * force;
+            }
+        }
+        moved
+    }
+
+    fn likeness(&self, displacements: &Vectors) -> Vectors {
+        displacements.each_ref().map(|moved| {
+            let mut forces: Vec<f64> =
+                self.anchors.iter().zip(moved).map(|(anchor, moved)| anchor * moved).collect();
+            for &([a, b], tie) in &self.ties {
+                let pull = tie * (moved[a] - moved[b]);
+                forces[a] += pull;
+                forces[b] -= pull;
+            }
+            forces
+        })
+    }
+}
+
+impl Force for GelBed {
+    fn name(&self) -> &'static str {
+        "gel"
+    }
+
+    fn add_forces(&self, at: &Configuration<'_>, forces: &mut Vectors) {
+        let tractions = self.forces(&self.displacements(at.positions));
+        for (forces, tractions) in forces.iter_mut().zip(tractions) {
+            for (&node, traction) in self.nodes.iter().zip(tractions) {
+                forces[node] -= traction;
+            }
+        }
+    }
+
+    fn energy(&self, at: &Configuration<'_>) -> Option<f64> {
+        let displacements = self.displacements(at.positions);
+        Some(0.5 * product(&self.forces(&displacements), &displacements))
+    }
+
+    fn add_stiffness(&self, _at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {
+        let isotropic = |k: f64| [[k, 0.0], [0.0, k]];
+        for (&node, &anchor) in self.nodes.iter().zip(&self.anchors) {
+            stiffness.add(node, node, isotropic(anchor));
+        }
+        for &([a, b], tie) in &self.ties {
+            stiffness.add_pair(self.nodes[a], self.nodes[b], isotropic(tie));
+        }
+        true
+    }
+
+    fn compliance(&self) -> Option<&dyn Compliance> {
+        Some(self)
+    }
+
+    fn is_internal(&self) -> bool {
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,82 @@
+//! What is measured where something outside holds the cell: the force at held ends, the tractions on a gel.
+
+use crate::cell::Output;
+use crate::mechanics::{Configuration, System, Vectors, product, zeros};
+use crate::recording::{AXIAL_FORCE, CONTRACTILE_MOMENT, END_FORCE, GEL_ENERGY, TRACTION_FORCE};
+
+/// Largest number of values.
+pub(super) const GAUGES: usize = 4;
+
+/// The gauges of a cell.
+#[derive(Debug, Clone)]
+pub(super) struct Gauges {
+    /// The nodes at its upper end, if both ends are held.
+    pub(super) end: Option<Vec<usize>>,
+    /// Whether it adheres to an elastic body.
+    pub(super) adheres: bool,
+    /// Its long axis.
+    pub(super) axis: [f64; 2],
+}
+
+impl Gauges {
+    /// What they tell.
+    pub(super) fn outputs(&self) -> Vec<Output> {
+        let output = |(name, unit, meaning): (&'static str, &'static str, &'static str)| Output {
+            name: name.into(),
+            unit: unit.into(),
+            meaning: meaning.into(),
+        };
+        let end = (END_FORCE, "nN", "force with which the cell draws its ends inward");
+        let gel = [
+            (TRACTION_FORCE, "nN", "sum of the absolute tractions of the cell on the gel"),
+            (AXIAL_FORCE, "nN", "force of half the cell on the gel along the long axis"),
+            (
+                CONTRACTILE_MOMENT,
+                "fJ",
+                "sum of traction times place, above 0 where the cell pulls inward",
+            ),
+            (GEL_ENERGY, "fJ", "elastic energy of the gel"),
+        ];
+        let ends = self.end.iter().map(|_| end);
+        ends.chain(gel.into_iter().filter(|_| self.adheres)).map(output).collect()
+    }
+
+    /// Their values; `pulls` are the forces of the cell on what it adheres to, nN.
+    pub(super) fn read(
+        &self,
+        system: &System,
+        at: &Configuration<'_>,
+        pulls: Option<&Vectors>,
+    ) -> Vec<f64> {
+        let mut values = Vec::new();
+        values.extend(self.end.as_ref().map(|nodes| self.end_force(nodes, system, at)));
+        if let (Some(gel), Some(pulls)) = (system.compliance(), pulls) {
+            let (mut total, mut axial, mut moment) = (0.0, 0.0, 0.0);
+            for (place, &node) in gel.nodes().iter().enumerate() {
+                let pull = [0, 1].map(|axis: usize| pulls[axis][place]);
+                total += pull[0].hypot(pull[1]);
+                axial += 0.5 * (pull[0] * self.axis[0] + pull[1] * self.axis[1]).abs();
+                moment -= pull[0] * at.positions[0][node] + pull[1] * at.positions[1][node];
+            }
+            let energy = 0.5 * product(pulls, &gel.displacements(at.positions));
+            values.extend([total, axial, moment, energy]);
+        }
+        values
+    }
+
+    /// As [`Gauges::read`], where the forces on what the cell adheres to are not known yet.
+    pub(super) fn read_now(&self, system: &System, at: &Configuration<'_>) -> Vec<f64> {
+        let pulls = system.compliance().map(|gel| gel.forces(&gel.displacements(at.positions)));
+        self.read(system, at, pulls.as_ref())
+    }
+
+    /// Force with which the upper end is drawn inward, nN; negative where it is pushed out.
+    fn end_force(&self, nodes: &[usize], system: &System, at: &Configuration<'_>) -> f64 {
+        let mut forces = zeros(at.positions[0].len());
+        for force in system.forces().filter(|force| force.is_internal()) {
+            force.add_forces(at, &mut forces);
+        }
+        let along = |&node: &usize| forces[0][node] * self.axis[0] + forces[1][node] * self.axis[1];
+        -nodes.iter().map(along).sum::<f64>()
+    }
+}
