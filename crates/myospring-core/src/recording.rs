@@ -111,6 +111,8 @@ pub struct Frame<const D: usize = 2> {
     pub ta_kpa: f64,
     /// Active tension of each triangle, kPa, if it is not uniform.
     pub ta_by_triangle_kpa: Option<Vec<f64>>,
+    /// Force of each node on the gel to which the cell adheres, nN: `on_gel_nn[axis][node]`.
+    pub on_gel_nn: Option<[Vec<f64>; D]>,
     /// Positions, um: `positions[axis][node]`.
     pub positions: [Vec<f64>; D],
 }

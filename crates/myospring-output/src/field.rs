@@ -27,6 +27,8 @@ pub enum Field {
     ActiveStress,
     /// Distance from the position at rest.
     Displacement,
+    /// Absolute traction on the gel to which the cell adheres; 0 of a cell on none.
+    Traction,
 }
 
 /// Why fibres or contents do not fit a mesh.
@@ -56,13 +58,23 @@ pub enum FieldError {
 
 impl Field {
     /// All fields, the default first.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::FibreStrain,
         Self::CrossStrain,
         Self::AreaRatio,
         Self::ActiveStress,
         Self::Displacement,
+        Self::Traction,
     ];
+
+    /// Whether frames have it: active stress only those of a simulated cell, tractions only those of one on a gel.
+    pub fn is_known(self, frames: &[&Frame], has_tension: bool) -> bool {
+        match self {
+            Self::ActiveStress => has_tension,
+            Self::Traction => frames.iter().all(|frame| frame.on_gel_nn.is_some()),
+            _ => true,
+        }
+    }
 
     /// Its name in options and files.
     pub const fn word(self) -> &'static str {
@@ -72,6 +84,7 @@ impl Field {
             Self::AreaRatio => "area-ratio",
             Self::ActiveStress => "active-stress",
             Self::Displacement => "displacement",
+            Self::Traction => "traction",
         }
     }
 
@@ -83,6 +96,7 @@ impl Field {
             Self::AreaRatio => "Area over area at rest",
             Self::ActiveStress => "Active stress",
             Self::Displacement => "Displacement",
+            Self::Traction => "Traction on the gel",
         }
     }
 
@@ -93,6 +107,7 @@ impl Field {
             Self::AreaRatio => "",
             Self::ActiveStress => "kPa",
             Self::Displacement => "um",
+            Self::Traction => "Pa",
         }
     }
 
@@ -108,6 +123,9 @@ impl Field {
             Self::AreaRatio => "projected area over that at rest; below 1 where smaller",
             Self::ActiveStress => "active tension along the fibre times the content of myofibrils",
             Self::Displacement => "distance from the position at rest",
+            Self::Traction => {
+                "force on the gel per area of the cell at rest, whatever its direction"
+            }
         }
     }
 
@@ -121,14 +139,14 @@ impl Field {
 
     /// Whether its values lie on both sides of that at rest.
     pub const fn is_two_sided(self) -> bool {
-        !matches!(self, Self::ActiveStress | Self::Displacement)
+        !matches!(self, Self::ActiveStress | Self::Displacement | Self::Traction)
     }
 
     /// The narrowest range of a colour scale: smaller differences are rounding errors or
     /// negligible.
     pub const fn least_range(self) -> f64 {
         match self {
-            Self::FibreStrain | Self::CrossStrain | Self::ActiveStress => 1.0,
+            Self::FibreStrain | Self::CrossStrain | Self::ActiveStress | Self::Traction => 1.0,
             Self::AreaRatio => 0.01,
             Self::Displacement => 0.1,
         }
@@ -206,7 +224,7 @@ impl<'a> Fields<'a> {
     /// let fields = Fields::new(&mesh, &vec![[1.0, 0.0]; mesh.simplices.len()], None)?;
     /// let x = mesh.points[0].iter().map(|x| 0.88 * x).collect();
     /// let y = mesh.points[1].iter().map(|y| 1.05 * y).collect();
-    /// let peak = Frame { t_ms: 171.0, ta_kpa: 50.0, ta_by_triangle_kpa: None, positions: [x, y] };
+    /// let peak = Frame { t_ms: 171.0, ta_kpa: 50.0, ta_by_triangle_kpa: None, on_gel_nn: None, positions: [x, y] };
     /// for (field, value) in [(Field::FibreStrain, -12.0), (Field::CrossStrain, 5.0), (Field::AreaRatio, 0.924)] {
     ///     assert!(fields.on_triangles(field, &peak).iter().all(|found| (found - value).abs() < 1e-12));
     /// }
@@ -243,7 +261,7 @@ impl<'a> Fields<'a> {
         self.mesh
     }
 
-    /// The value in each triangle, in the field's unit; for the displacement, the mean over the
+    /// The value in each triangle, in the field's unit; for displacement and traction, the mean over the
     /// corners.
     ///
     /// # Panics
@@ -265,7 +283,7 @@ impl<'a> Fields<'a> {
                 }
                 stress
             }
-            Field::Displacement => {
+            Field::Displacement | Field::Traction => {
                 let way = self.on_nodes(field, frame);
                 let mean = |triangle: &Simplex<3>| {
                     triangle.nodes.iter().map(|&node| way[node as usize]).sum::<f64>() / 3.0
@@ -294,7 +312,7 @@ impl<'a> Fields<'a> {
         pairs.map(of).collect()
     }
 
-    /// The value at each node: for the displacement its own, else the mean over adjacent triangles,
+    /// The value at each node: for displacement and traction its own, else the mean over adjacent triangles,
     /// weighted by area.
     ///
     /// # Panics
@@ -305,6 +323,12 @@ impl<'a> Fields<'a> {
             let way = |axis: usize, node: usize| frame.positions[axis][node] - points[axis][node];
             let length = |node| (way(0, node).powi(2) + way(1, node).powi(2)).sqrt();
             return (0..self.mesh.len()).map(length).collect();
+        }
+        if field == Field::Traction {
+            let Some([x, y]) = &frame.on_gel_nn else { return vec![0.0; self.mesh.len()] };
+            let pairs = x.iter().zip(y).zip(&self.mesh.areas);
+            // 1 nN/um^2 is 1000 Pa.
+            return pairs.map(|((x, y), area)| 1000.0 * x.hypot(*y) / area).collect();
         }
         self.averaged(field.at_rest(), &self.on_triangles(field, frame))
     }
@@ -362,7 +386,13 @@ mod tests {
     fn moved(mesh: &Mesh, map: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
         let both = mesh.points[0].iter().zip(&mesh.points[1]).map(|(&x, &y)| map(x, y));
         let (xs, ys) = both.map(|[x, y]| (x, y)).unzip();
-        Frame { t_ms: 0.0, ta_kpa: 30.0, ta_by_triangle_kpa: None, positions: [xs, ys] }
+        Frame {
+            t_ms: 0.0,
+            ta_kpa: 30.0,
+            ta_by_triangle_kpa: None,
+            on_gel_nn: None,
+            positions: [xs, ys],
+        }
     }
 
     fn close(found: &[f64], wanted: f64) {

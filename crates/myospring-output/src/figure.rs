@@ -64,6 +64,7 @@ mod theme;
 mod thumbnail;
 mod traces;
 mod tracked;
+mod traction;
 mod work_loop;
 
 pub use cell::DrawnCell;
@@ -91,6 +92,7 @@ pub use theme::Theme;
 pub(crate) use thumbnail::thumbnail;
 pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
 pub use tracked::{Tracked, TrackedFrame};
+pub use traction::traction;
 pub use work_loop::work_loop;
 
 /// Why a figure cannot be drawn.

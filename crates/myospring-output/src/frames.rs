@@ -98,6 +98,12 @@ pub fn to_npz_with(
         let array = Array::floats([frames.len(), triangles], tensions);
         arrays.push(("tension_by_triangle_kPa", array));
     }
+    let on_gel: Option<Vec<&[Vec<f64>; 2]>> =
+        frames.iter().map(|frame| frame.on_gel_nn.as_ref()).collect();
+    if let Some(forces) = on_gel.filter(|forces| !forces.is_empty()) {
+        let array = Array::floats([frames.len(), nodes, 2], forces.into_iter().flat_map(pairs));
+        arrays.push(("force_on_gel_nN", array));
+    }
     arrays.extend(more);
     npz::to_bytes(&arrays)
 }
@@ -152,11 +158,15 @@ fn kept<'a>(array: &dyn Fn(&str) -> Option<&'a Array>) -> Option<SavedFrames> {
         && positions.len() == 2 * nodes * times.len();
     let by_triangle = floats("tension_by_triangle_kPa")
         .filter(|tensions| tensions.len() == times.len() * simplices.len());
+    let on_gel = floats("force_on_gel_nN").filter(|forces| forces.len() == 2 * nodes * times.len());
     let frame = |(index, positions): (usize, &[f64])| Frame {
         t_ms: times[index],
         ta_kpa: tensions[index],
         ta_by_triangle_kpa: by_triangle.map(|tensions| {
             tensions[index * simplices.len()..(index + 1) * simplices.len()].to_vec()
+        }),
+        on_gel_nn: on_gel.map(|forces| {
+            axes(forces[2 * nodes * index..2 * nodes * (index + 1)].as_chunks::<2>().0)
         }),
         positions: axes(positions.as_chunks::<2>().0),
     };
@@ -207,6 +217,7 @@ mod tests {
             t_ms,
             ta_kpa: 0.3 * t_ms,
             ta_by_triangle_kpa: Some(vec![t_ms / 7.0; mesh.simplices.len()]),
+            on_gel_nn: Some([vec![t_ms / 3.0; mesh.len()], vec![-t_ms; mesh.len()]]),
             positions: mesh.points.clone().map(|xs| xs.iter().map(|x| x * 0.9 + t_ms).collect()),
         };
         let frames = vec![frame(0.0), frame(5.0)];

@@ -125,20 +125,26 @@ pub fn to_bytes(arrays: &[(&str, Array)]) -> Result<Vec<u8>, NpzError> {
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
     for (name, array) in arrays {
         let failed = |source| NpzError::Bytes { name: (*name).to_owned(), source };
-        let content = match &array.numbers {
-            ArrayNumbers::Floats(numbers) => {
-                numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>()
-            }
-            ArrayNumbers::Whole(numbers) => {
-                numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
-            }
-        };
-        let large = content.len() > u32::MAX as usize / 2;
+        let bytes = to_npy(array);
+        let large = bytes.len() > u32::MAX as usize / 2;
         writer.start_file(format!("{name}.npy"), options.large_file(large))?;
-        writer.write_all(&array.header()).map_err(failed)?;
-        writer.write_all(&content).map_err(failed)?;
+        writer.write_all(&bytes).map_err(failed)?;
     }
     Ok(writer.finish()?.into_inner())
+}
+
+/// The content of a NumPy file of one array, `.npy`.
+pub fn to_npy(array: &Array) -> Vec<u8> {
+    let mut bytes = array.header();
+    match &array.numbers {
+        ArrayNumbers::Floats(numbers) => {
+            bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+        }
+        ArrayNumbers::Whole(numbers) => {
+            bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+        }
+    }
+    bytes
 }
 
 /// Reads the arrays of an archive by their names.

@@ -11,6 +11,7 @@
 //! | `displacement_um` | point | from rest |
 //! | `displacement_magnitude_um` | point | its length |
 //! | `velocity_um_per_s` | point | from the neighbouring frames, so smoothed over twice the frame interval |
+//! | `traction_Pa` | point | force on the gel per area at rest, of a cell on one |
 //! | `fibre` | cell | unit vector along the fibre at that time |
 //! | `fibre_strain_pct` | cell | along the fibre, negative where it is shorter |
 //! | `cross_strain_pct` | cell | of the direction that is across the fibre at rest |
@@ -156,6 +157,13 @@ impl<'a> Frames<'a> {
         array(&mut text, "displacement_um", 3, &vectors(&displacement));
         array(&mut text, "displacement_magnitude_um", 1, &magnitude);
         array(&mut text, "velocity_um_per_s", 3, &vectors(&velocities));
+        if let Some(forces) = &frame.on_gel_nn {
+            let areas = &self.fields.mesh().areas;
+            // 1 nN/um^2 is 1000 Pa.
+            let traction =
+                |node: usize| [0, 1].map(|axis: usize| 1000.0 * forces[axis][node] / areas[node]);
+            array(&mut text, "traction_Pa", 3, &vectors(&traction));
+        }
         text.push_str("</PointData>\n<CellData Scalars=\"fibre_strain_pct\" Vectors=\"fibre\">\n");
         array(&mut text, "fibre", 3, &fibres);
         for (name, field) in CELL_ARRAYS {

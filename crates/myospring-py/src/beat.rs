@@ -299,8 +299,9 @@ impl Beat {
         let Outcome { recording, stop, effort, engine, stimulus_times_ms, s2_ms } =
             &self.beaten.outcome;
         let frames = recording.frames.iter().cloned();
-        let frames = frames
-            .map(|frame| (frame.t_ms, frame.ta_kpa, frame.ta_by_triangle_kpa, frame.positions));
+        let frames = frames.map(|frame| {
+            (frame.t_ms, frame.ta_kpa, frame.ta_by_triangle_kpa, frame.on_gel_nn, frame.positions)
+        });
         let state = State {
             run_file: self.file.to_toml(),
             samples: recording.samples.clone(),
@@ -325,13 +326,15 @@ impl Beat {
         let file =
             RunFile::from_text(&state.run_file).map_err(|error| errors::of_settings(py, &error))?;
         let (run, made) = make(py, &cell.0, &file)?;
-        let frames =
-            state.frames.into_iter().map(|(t_ms, ta_kpa, ta_by_triangle_kpa, positions)| Frame {
+        let frames = state.frames.into_iter().map(
+            |(t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, positions)| Frame {
                 t_ms,
                 ta_kpa,
                 ta_by_triangle_kpa,
+                on_gel_nn,
                 positions,
-            });
+            },
+        );
         let recording =
             Recording { samples: state.samples, frames: frames.collect(), signals: state.signals };
         let outcome = Outcome {
@@ -387,8 +390,8 @@ impl myospring::experiment::Outcome for Saved<'_> {
     }
 }
 
-/// Time, tension, tension by triangle, positions.
-type Shape = (f64, f64, Option<Vec<f64>>, [Vec<f64>; 2]);
+/// Time, tension, tension by triangle, forces on a gel, positions.
+type Shape = (f64, f64, Option<Vec<f64>>, Option<[Vec<f64>; 2]>, [Vec<f64>; 2]);
 
 #[derive(Serialize, Deserialize)]
 struct State {

@@ -7,7 +7,7 @@ use myospring::mechanics::support::SupportKind;
 use myospring::mesh::carried::Carried;
 use myospring::mesh::outline::Outline;
 use myospring::mesh::quality::outline_dimensions;
-use myospring::recording::Recording;
+use myospring::recording::{AXIAL_FORCE, Recording};
 use myospring::run_file::{PRESETS, RunFile, schema, template};
 use myospring::settings::{Places, Value};
 use myospring::simulation::Simulation;
@@ -339,22 +339,18 @@ fn free_presets_beat_as_measured_cells_do() {
 
 #[test]
 fn a_cell_from_stem_cells_pulls_at_gels_of_two_stiffnesses_as_measured() {
-    // Half of the tractions along the axis, at the peak of tension, nN.
-    let force = |bed: f64| {
-        let written = format!("{bed} kPa/um");
-        let (simulation, recording, _) =
-            preset("hipsc-on-gel", &[("mechanics.bed_stiffness", &written)]);
-        let peak = recording.frames.iter().max_by(|a, b| a.ta_kpa.total_cmp(&b.ta_kpa)).unwrap();
-        let mesh = &simulation.mesh;
-        let tractions = (0..mesh.len()).map(|node| {
-            bed * mesh.areas[node] * (peak.positions[0][node] - mesh.points[0][node]).abs()
-        });
-        (0.5 * tractions.sum::<f64>(), peak.ta_kpa)
+    // Of half a cell, nN, and the peak of tension, kPa.
+    let force = |gel: &str| {
+        let (_, recording, _) = preset("hipsc-on-gel", &[("mechanics.gel_modulus", gel)]);
+        let signal = recording.signals.iter().find(|signal| signal.is(AXIAL_FORCE)).unwrap();
+        let tension = recording.samples.iter().map(|sample| sample.ta_kpa);
+        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        [most(&mut signal.values.iter().copied()), most(&mut tension.into_iter())]
     };
-    let (soft, tension) = force(0.3588);
-    let (stiff, _) = force(3.5 * 0.3588);
+    let [soft, tension] = force("10 kPa");
+    let [stiff, _] = force("35 kPa");
     // CONTRAX 2024, Table 1, with 95 % intervals: 13.9 [12.4, 15.5] and 23.3 [19.5, 27.9] nN; the first was fitted.
-    assert!((13.6..=14.2).contains(&soft), "{soft} nN");
+    assert!((13.8..=14.0).contains(&soft), "{soft} nN");
     assert!((19.5..=27.9).contains(&stiff), "{stiff} nN");
     assert!((0.26..=0.70).contains(&tension), "{tension} kPa");
 }

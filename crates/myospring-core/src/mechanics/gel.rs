@@ -165,6 +165,8 @@ fn rim(mesh: &Mesh) -> Vec<[f64; 2]> {
 /// A gel under one mesh.
 pub struct GelBed {
     gel: Gel,
+    /// That of the mesh, without its points.
+    lattice: Lattice,
     /// The nodes that adhere, their places on the lattice, and where they are without force, um.
     nodes: Vec<usize>,
     places: Vec<[u32; 2]>,
@@ -201,8 +203,8 @@ impl GelBed {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(gel: Gel, mesh: &Mesh, axis: [f64; 2]) -> Result<Self, GelError> {
-        let Lattice { spacing, shape, cells, .. } =
-            mesh.lattice.as_ref().ok_or(GelError::NoLattice)?;
+        let lattice = mesh.lattice.as_ref().ok_or(GelError::NoLattice)?;
+        let Lattice { spacing, shape, cells, .. } = lattice;
         gel.check(mesh)?;
         let green = Green::new(gel, *spacing);
         let convolution = Convolution::new(&green, *spacing, *shape);
@@ -231,6 +233,7 @@ impl GelBed {
         };
         Ok(Self {
             gel,
+            lattice: Lattice { cells: Vec::new(), ..*lattice },
             places: nodes.iter().map(|&node| cells[node]).collect(),
             rest: [0, 1]
                 .map(|axis: usize| nodes.iter().map(|&node| mesh.points[axis][node]).collect()),
@@ -246,6 +249,46 @@ impl GelBed {
     /// The gel.
     pub fn gel(&self) -> &Gel {
         &self.gel
+    }
+}
+
+/// Displacements of the surface of a gel, on the lattice of the cell and around it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// Distance between places, um.
+    pub spacing: f64,
+    /// The place in the lower left corner, um.
+    pub origin: [f64; 2],
+    /// Columns and rows.
+    pub shape: [usize; 2],
+    /// Along x and y, um, row by row from the lowest.
+    pub displacements: Vectors,
+}
+
+impl GelBed {
+    /// How forces of the nodes that adhere (nN) move the surface under the cell and around it, up to `around` times the
+    /// cell's extent away.
+    pub fn surface(&self, forces: &Vectors, around: f64) -> Surface {
+        let Lattice { spacing, origin, shape: cell, .. } = self.lattice;
+        let beyond = (around * cell[0].max(cell[1]) as f64).ceil() as usize;
+        let shape = cell.map(|count| count + 2 * beyond);
+        let convolution = Convolution::new(&Green::new(self.gel, spacing), spacing, shape);
+        let places = self.places.iter().map(|place| place.map(|at| at + beyond as u32));
+        let mut all = zeros(shape[0] * shape[1]);
+        for (place, [column, row]) in places.enumerate() {
+            for (all, forces) in all.iter_mut().zip(forces) {
+                all[row as usize * shape[0] + column as usize] = forces[place];
+            }
+        }
+        let everywhere: Vec<[u32; 2]> = (0..shape[1] as u32)
+            .flat_map(|row| (0..shape[0] as u32).map(move |column| [column, row]))
+            .collect();
+        Surface {
+            spacing,
+            origin: origin.map(|at| at - beyond as f64 * spacing),
+            shape,
+            displacements: convolution.displacements(&everywhere, &all),
+        }
     }
 }
 

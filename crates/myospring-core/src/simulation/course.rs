@@ -6,7 +6,7 @@ use super::setup::{Assembly, Setup};
 use super::{Simulation, StopReason};
 use crate::cell::Output;
 use crate::exchange::Activation;
-use crate::mechanics::Vectors;
+use crate::mechanics::{Vectors, zeros};
 use crate::recording::{Frame, Recording, Sample, Signal};
 
 /// The recorded quantities of a shape; units as in [`Sample`].
@@ -31,12 +31,30 @@ pub(super) trait Observable: Shaping {
     fn observe(&self) -> Observed;
     /// Positions now, um.
     fn positions(&self) -> Vectors;
+    /// The forces of the nodes that adhere to a body outside, nN, if they are known already.
+    fn pulls(&self) -> Option<Vectors> {
+        None
+    }
 }
 
 impl Setup {
     fn coupler(&self) -> Coupler<'_> {
         let every = self.simulation.numerics.exchange_interval;
         Coupler::new(self.activation.boxed(), self.strongest, every, &self.volumes)
+    }
+
+    /// The force of each node on the gel, nN, if the cell adheres to one.
+    fn on_gel(&self, shaping: &impl Observable) -> Option<Vectors> {
+        let gel = self.assembly.system.compliance()?;
+        let pulls = shaping.pulls();
+        let pulls = pulls.unwrap_or_else(|| gel.forces(&gel.displacements(&shaping.positions())));
+        let mut all = zeros(self.simulation.mesh.len());
+        for (all, pulls) in all.iter_mut().zip(pulls) {
+            for (&node, pull) in gel.nodes().iter().zip(pulls) {
+                all[node] = pull;
+            }
+        }
+        Some(all)
     }
 
     /// The stretch of the activation's sites in a shape.
@@ -95,6 +113,7 @@ impl Setup {
                 t_ms: time,
                 ta_kpa: tension,
                 ta_by_triangle_kpa: meeting.tension.by_element().map(<[f64]>::to_vec),
+                on_gel_nn: self.on_gel(shaping),
                 positions: shaping.positions(),
             };
             if index % per_sample == 0 {

@@ -364,6 +364,12 @@ impl Equilibria {
         series.iter().enumerate().map(one).collect()
     }
 
+    /// The forces of the nodes that adhere to a gel under a tension in kPa, nN; `None` without a gel, or outside the range that
+    /// was solved.
+    pub(super) fn pulls(&self, tension: f64) -> Option<Vectors> {
+        self.branch(tension).curve.pulls.as_ref()?.positions(tension)
+    }
+
     /// Positions under a tension in kPa, um; `None` outside the range that was solved.
     pub fn positions(&self, tension: f64) -> Option<Vectors> {
         self.branch(tension).shapes.positions(tension)
@@ -386,6 +392,8 @@ struct Curve {
     pieces: Vec<[Cubic; QUANTITIES]>,
     /// Lowest and highest tension, kPa, up to which the measured shapes are valid.
     intact: [f64; 2],
+    /// The forces on a gel, nN.
+    pulls: Option<Shapes>,
 }
 
 /// Coefficients, the constant first.
@@ -436,8 +444,8 @@ impl Curve {
                 velocities: &still,
                 tension: tension.into(),
             };
-            let pulls = pulls.as_ref().and_then(|pulls| pulls.positions(tension));
-            let outside = match (gel, &pulls) {
+            let pulling = pulls.as_ref().and_then(|pulls| pulls.positions(tension));
+            let outside = match (gel, &pulling) {
                 (Some(gel), Some(pulls)) => 0.5 * product(pulls, &gel.displacements(&positions)),
                 _ => 0.0,
             };
@@ -451,7 +459,7 @@ impl Curve {
                 energy(&positions, 1.0),
             ]);
             for (quantity, told) in
-                quantities[6..].iter_mut().zip(gauges.read(system, &at, pulls.as_ref()))
+                quantities[6..].iter_mut().zip(gauges.read(system, &at, pulling.as_ref()))
             {
                 *quantity = told;
             }
@@ -475,7 +483,7 @@ impl Curve {
         let pieces: Vec<[Cubic; QUANTITIES]> = (0..tensions.len() - 1).map(piece).collect();
         let at_rest = || vec![values[0].map(|value| [value, 0.0, 0.0, 0.0])];
         let pieces = if pieces.is_empty() { at_rest() } else { pieces };
-        Ok(Self { tensions, pieces, intact })
+        Ok(Self { tensions, pieces, intact, pulls })
     }
 
     /// The piece of a tension, and how far it is above its begin, kPa.

@@ -229,4 +229,8 @@ impl Observable for AlongPath<'_> {
         let positions = self.equilibria.positions(tension);
         positions.unwrap_or_else(|| self.setup.assembly.body.positions.clone())
     }
+
+    fn pulls(&self) -> Option<Vectors> {
+        self.equilibria.pulls(self.state.tension)
+    }
 }

@@ -66,7 +66,13 @@ impl<'a> DrawnCell<'a> {
     /// Checks that positions fit the mesh and are finite.
     pub(super) fn check(&self, positions: &[Vec<f64>; 2]) -> Result<(), FigureError> {
         let positions = positions.clone();
-        let frame = Frame { t_ms: f64::NAN, ta_kpa: f64::NAN, ta_by_triangle_kpa: None, positions };
+        let frame = Frame {
+            t_ms: f64::NAN,
+            ta_kpa: f64::NAN,
+            ta_by_triangle_kpa: None,
+            on_gel_nn: None,
+            positions,
+        };
         check_frame(self.mesh(), &frame)
     }
 

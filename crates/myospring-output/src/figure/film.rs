@@ -116,6 +116,11 @@ impl<'a> BeatFilm<'a> {
             t_ms: time,
             ta_kpa: last.ta_kpa + part * (next.ta_kpa - last.ta_kpa),
             ta_by_triangle_kpa: tensions.map(|(a, b)| between(a, b)),
+            on_gel_nn: last
+                .on_gel_nn
+                .as_ref()
+                .zip(next.on_gel_nn.as_ref())
+                .map(|(a, b)| [0, 1].map(|axis: usize| between(&a[axis], &b[axis]))),
             positions: [0, 1]
                 .map(|axis: usize| between(&last.positions[axis], &next.positions[axis])),
         }

@@ -182,6 +182,7 @@ impl FilmFrames<'_> {
             t_ms: frame.t_ms,
             ta_kpa: f64::NAN,
             ta_by_triangle_kpa: None,
+            on_gel_nn: None,
             positions: frame.simulated.clone(),
         };
         let colours = cell.colours([&shape]);

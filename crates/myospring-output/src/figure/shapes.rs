@@ -57,21 +57,24 @@ impl<'a> Gallery<'a> {
         (width / extent[0]).min(height / extent[1])
     }
 
+    /// Where a point (um) is on the sheet if the middle of the bounding box is at `centre`.
+    pub(super) fn at(&self, centre: [f64; 2], scale: f64) -> impl Fn([f64; 2]) -> [f64; 2] + use<> {
+        let middle = [0, 1].map(|axis: usize| f64::midpoint(self.low[axis], self.high[axis]));
+        move |[x, y]| [centre[0] + (x - middle[0]) * scale, centre[1] - (y - middle[1]) * scale]
+    }
+
     /// Draws a shape, with the bounding box centred at a point and y upward, and the resting
     /// outline over it.
     pub(super) fn draw(&self, sheet: &mut Sheet, index: usize, centre: [f64; 2], scale: f64) {
         let frame = self.shapes[index].frame;
-        let middle = [0, 1].map(|axis: usize| f64::midpoint(self.low[axis], self.high[axis]));
-        let at = |[x, y]: [f64; 2]| {
-            [centre[0] + (x - middle[0]) * scale, centre[1] - (y - middle[1]) * scale]
-        };
-        self.cell.fill(sheet, format!("cell-{index}"), frame, &self.colours, at);
+        let at = self.at(centre, scale);
+        self.cell.fill(sheet, format!("cell-{index}"), frame, &self.colours, &at);
         let [now, rest] = [&frame.positions, &self.cell.mesh().points]
             .map(|positions| self.cell.rings(positions));
-        sheet.path(closed(&now, at), Stroke::new(INK, 0.7));
+        sheet.path(closed(&now, &at), Stroke::new(INK, 0.7));
         let away = |(p, q): (&[f64; 2], &[f64; 2])| (p[0] - q[0]).hypot(p[1] - q[1]) * scale > 0.5;
         if now.iter().flatten().zip(rest.iter().flatten()).any(away) {
-            sheet.path(closed(&rest, at), Stroke::new(REST, 0.8).dash(2.5, 1.8));
+            sheet.path(closed(&rest, &at), Stroke::new(REST, 0.8).dash(2.5, 1.8));
         }
     }
 

@@ -98,6 +98,7 @@ pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>
         t_ms: 0.0,
         ta_kpa: 0.0,
         ta_by_triangle_kpa: None,
+        on_gel_nn: None,
         positions: cell.mesh.points.clone(),
     };
     // The last frames of a run that failed may be invalid.

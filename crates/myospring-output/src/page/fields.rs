@@ -25,14 +25,14 @@ pub(super) struct FieldData {
     extremes: [f64; 2],
 }
 
-/// All fields of a cell over these frames; its active stress only where the frames have it.
+/// All fields of a cell that these frames have.
 pub(super) fn of(
     fields: &Fields<'_>,
     display: &Display,
     frames: &[&Frame],
     has_tension: bool,
 ) -> Vec<FieldData> {
-    let known = Field::ALL.into_iter().filter(|field| has_tension || *field != Field::ActiveStress);
+    let known = Field::ALL.into_iter().filter(|field| field.is_known(frames, has_tension));
     known.map(|field| data(field, fields, display, frames)).collect()
 }
 

@@ -5,6 +5,7 @@ mod beaten;
 mod figures;
 mod film;
 mod finished;
+mod on_gel;
 mod outputs;
 mod page;
 mod prepared;

@@ -340,6 +340,7 @@ impl FilmMap {
             t_ms: peak,
             ta_kpa: map.mean_kpa,
             ta_by_triangle_kpa: Some(map.tensions_kpa.clone()),
+            on_gel_nn: None,
             positions: map.positions_um.clone(),
         };
         Ok(vtu::Frames::new(&motion.mesh, &[frame], &fibres.directions, None)?.frame(0))

@@ -45,7 +45,7 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "hipsc-on-gel",
-        about: "cardiomyocyte from human stem cells on a gel of 10 kPa: 13.9 nN, peak tension near 0.5 kPa",
+        about: "cardiomyocyte from human stem cells on a gel of 10 kPa: 13.9 nN, peak tension near 0.3 kPa",
         model_file: None,
         text: include_str!("../../presets/hipsc_on_gel.toml"),
     },

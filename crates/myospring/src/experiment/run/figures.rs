@@ -30,9 +30,10 @@ pub(in crate::experiment) fn write(
     let reference = band("peak_shortening")
         .map(|Band { low, high, .. }| ([*low, *high], "adult ventricular myocytes, unloaded"));
     let held = simulation.support.holds_both_ends();
+    let on_gel = recording.frames.iter().any(|frame| frame.on_gel_nn.is_some());
     let options = ContractionOptions {
         stimulus_times_ms: stimuli.to_vec(),
-        reference_band: reference.filter(|_| !held),
+        reference_band: reference.filter(|_| !held && !on_gel),
     };
     let label = run.strength();
     let overlay = || {
@@ -40,19 +41,22 @@ pub(in crate::experiment) fn write(
         let lattice = Some(Lattice { mesh, fibres });
         overlay::draw(name, cells, &[cell], lattice, &numbers.summary.warnings)
     };
-    let figures: [(&str, Draw<'_>); 7] = [
-        ("overlay", &overlay),
-        ("overview", &|| figure::overview(cell()?, recording, stimuli)),
-        ("cell", &|| figure::cell_shapes(cell()?, &figure::key_shapes(recording, stimuli))),
-        ("mesh", &|| figure::mesh(mesh)),
-        ("action_potential_and_tension", &|| {
-            figure::action_potential_and_tension(recording, stimuli)
-        }),
-        ("contraction", &|| figure::contraction(&[(&label, recording)], &options)),
-        ("work_loop", &|| figure::work_loop(recording, stimuli)),
+    let all: [(bool, (&str, Draw<'_>)); 8] = [
+        (picture.is_some(), ("overlay", &overlay)),
+        (true, ("overview", &|| figure::overview(cell()?, recording, stimuli))),
+        (true, ("cell", &|| figure::cell_shapes(cell()?, &figure::key_shapes(recording, stimuli)))),
+        (true, ("mesh", &|| figure::mesh(mesh))),
+        (
+            true,
+            ("action_potential_and_tension", &|| {
+                figure::action_potential_and_tension(recording, stimuli)
+            }),
+        ),
+        (true, ("contraction", &|| figure::contraction(&[(&label, recording)], &options))),
+        (held, ("work_loop", &|| figure::work_loop(recording, stimuli))),
+        (on_gel, ("traction", &|| figure::traction(cell()?, recording, stimuli))),
     ];
-    // Only of a picture, and only of a cell whose ends are held.
-    let from = usize::from(picture.is_none());
-    let to = figures.len() - usize::from(!held);
-    folder.figures(finished.style.theme, &figures[from..to], *observer)
+    let figures: Vec<(&str, Draw<'_>)> =
+        all.into_iter().filter(|(applies, _)| *applies).map(|(_, figure)| figure).collect();
+    folder.figures(finished.style.theme, &figures, *observer)
 }

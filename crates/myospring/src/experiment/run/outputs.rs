@@ -2,7 +2,7 @@
 //! word.
 
 use super::finished::Finished;
-use super::{figures, film, page};
+use super::{figures, film, on_gel, page};
 use crate::clock::Stopwatch;
 use crate::experiment::{ExperimentError, Folder};
 use crate::output::{frames, vtu};
@@ -33,7 +33,7 @@ pub struct Output {
 
 /// The outputs in the order in which they are written; people are asked to open the first that can
 /// be opened.
-pub const OUTPUTS: [Output; 6] = [
+pub const OUTPUTS: [Output; 7] = [
     Output {
         word: "report",
         about: "the beating cell with curves, numbers and sources, a page for the browser (report.html)",
@@ -49,6 +49,14 @@ pub const OUTPUTS: [Output; 6] = [
         by_default: true,
         is_drawn: true,
         write: figures::write,
+    },
+    Output {
+        word: "gel",
+        about: "of a cell on a gel, at its largest force: table of tractions, and displacements of the gel around it as arrays (gel/)",
+        look: None,
+        by_default: true,
+        is_drawn: false,
+        write: on_gel::write,
     },
     Output {
         word: "gif",

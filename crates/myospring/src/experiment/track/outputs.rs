@@ -54,6 +54,7 @@ fn shapes(followed: &Followed) -> Vec<Frame> {
         t_ms: motion.times_ms[at],
         ta_kpa: f64::NAN,
         ta_by_triangle_kpa: None,
+        on_gel_nn: None,
         positions: motion.positions(at),
     };
     (0..motion.len()).map(frame).collect()
