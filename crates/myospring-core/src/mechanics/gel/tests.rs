@@ -121,7 +121,7 @@ fn a_layer_is_a_bed_where_it_is_thin_and_a_half_space_where_it_is_thick() {
         let wanted = 2.0 / thin.shear_modulus();
         assert!((moved[node] / wanted - 1.0).abs() < 2e-3, "{poisson}: {} {wanted}", moved[node]);
         let of = |thickness| {
-            let gel = Gel { thickness, poisson, ..half };
+            let gel = Gel { poisson, thickness, ..half };
             bed(gel, &mesh).displaced(&even)[0][node]
         };
         let [thick, endless] = [of(Some(3000.0)), of(None)];

@@ -86,5 +86,5 @@ pub(super) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Expe
         u: "displacement of the gel to the right, pixels; rows from the top",
         v: "displacement of the gel downward, pixels; rows from the top",
     };
-    Ok(folder.write("gel/gel.json", json::pretty(&about)?)?)
+    folder.write("gel/gel.json", json::pretty(&about)?)
 }
