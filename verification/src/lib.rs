@@ -14,6 +14,7 @@ pub mod convergence;
 pub mod engine;
 pub mod finite_elements;
 pub mod fit;
+pub mod gel;
 pub mod lammps;
 pub mod land;
 pub mod loads;
@@ -48,6 +49,7 @@ pub fn checks() -> Vec<Check> {
         Check { name: "land", run: land::rows },
         Check { name: "tor-ord", run: tor_ord::rows },
         Check { name: "loads", run: loads::rows },
+        Check { name: "gel", run: gel::rows },
         Check { name: "viscosity", run: viscosity::rows },
         Check { name: "parts", run: parts::rows },
         Check { name: "finite-elements", run: finite_elements::rows },

@@ -333,6 +333,21 @@ impl<'a> Fields<'a> {
         self.averaged(field.at_rest(), &self.on_triangles(field, frame))
     }
 
+    /// Traction of the cell on its gel in each triangle along x and y, Pa, the mean over the corners; `None` of a cell on none.
+    ///
+    /// # Panics
+    /// If the frame is one of another mesh.
+    pub fn tractions(&self, frame: &Frame) -> Option<[Vec<f64>; 2]> {
+        let forces = frame.on_gel_nn.as_ref()?;
+        Some(forces.each_ref().map(|forces| {
+            let of = |&node: &u32| forces[node as usize] / self.mesh.areas[node as usize];
+            // 1 nN/um^2 is 1000 Pa.
+            let mean =
+                |triangle: &Simplex<3>| 1000.0 * triangle.nodes.iter().map(of).sum::<f64>() / 3.0;
+            self.mesh.simplices.iter().map(mean).collect()
+        }))
+    }
+
     /// Averages values of triangles to nodes: the mean over adjacent triangles, weighted by area.
     ///
     /// # Panics

@@ -1,7 +1,7 @@
 //! A gel under the cell: an elastic half-space, or a layer bonded to glass.
 //!
 //! The flat cell adheres to the surface of the gel and pulls on it within the plane; it neither presses nor lifts. The
-//! displacement of the surface under forces `t` of the cell is linear in them, `u = C t` (`green`, `layer`), and an adhesion
+//! displacement of the surface under forces `t` of the cell is linear in them, `u = C t` (`green`, `layer`, `wave`), and an adhesion
 //! that gives way adds the displacement `t/(k_a A)` of a node of area `A`. The cell's nodes go where the surface goes, so the
 //! gel pulls back with
 //!
@@ -14,8 +14,15 @@
 //! gradients, preconditioned by springs that are like the gel ([`Compliance::likeness`]).
 
 mod convolution;
+pub mod cytometry;
+mod description;
 mod green;
 mod layer;
+mod surface;
+mod wave;
+
+pub use description::{ADHERING_END, ADHERING_RIM, Adhesion, Gel, GelError};
+pub use surface::Surface;
 
 use super::compliance::Compliance;
 use super::force::{Configuration, Force};
@@ -25,108 +32,13 @@ use crate::mesh::ends::end_zones;
 use crate::mesh::{Lattice, Mesh, SpringKind};
 use convolution::Convolution;
 use green::Green;
-use serde::Serialize;
 use std::f64::consts::PI;
 use std::sync::{Mutex, PoisonError};
-
-/// Part of the cell's length that adheres at either end, where only its ends adhere.
-pub const ADHERING_END: f64 = 0.2;
-/// Width of the rim that adheres, um, where only the rim does: that of mature focal adhesions.
-pub const ADHERING_RIM: f64 = 3.0;
 
 /// Displacements that the forces leave unexplained, as a part of all.
 const SOLVED: f64 = 1e-10;
 /// Largest number of rounds of conjugate gradients; some 30 are enough.
 const ROUNDS: usize = 1000;
-
-/// A gel, and how the cell adheres to it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Gel {
-    /// Young's modulus, kPa.
-    pub modulus: f64,
-    /// Poisson's ratio, at least 0 and below 0.5.
-    pub poisson: f64,
-    /// Thickness of a layer that is bonded to glass, um; `None` is a half-space.
-    pub thickness: Option<f64>,
-    /// Where the cell adheres.
-    pub adhesion: Adhesion,
-    /// Traction per distance between cell and surface, kPa/um; `None` does not give way.
-    pub adhesion_stiffness: Option<f64>,
-}
-
-/// Where a cell adheres.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Adhesion {
-    /// In every place.
-    Everywhere,
-    /// In the outer [`ADHERING_END`] of its length at either end.
-    Ends,
-    /// Within [`ADHERING_RIM`] of its outline.
-    Rim,
-}
-
-/// Why there is no such gel under a mesh.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum GelError {
-    /// A layer thinner than the spacing of the nodes.
-    #[error(
-        "the gel thickness is {thickness} um, less than the spacing of the mesh, {spacing} um; give a finer spacing, or take \
-         support = \"elastic-bed\" with bed_stiffness = G/h, the shear modulus over the thickness"
-    )]
-    ThinLayer {
-        /// Its thickness, um.
-        thickness: f64,
-        /// The spacing, um.
-        spacing: f64,
-    },
-    /// A mesh without a lattice.
-    #[error(
-        "a gel needs a mesh on a lattice; this one has its nodes anywhere: take support = \"elastic-bed\""
-    )]
-    NoLattice,
-}
-
-impl Gel {
-    /// A half-space of this modulus (kPa) that is all but incompressible, to which a cell adheres in every place.
-    pub fn half_space(modulus: f64) -> Self {
-        Self {
-            modulus,
-            poisson: 0.49,
-            thickness: None,
-            adhesion: Adhesion::Everywhere,
-            adhesion_stiffness: None,
-        }
-    }
-
-    /// Shear modulus, kPa: `E / (2 (1 + nu))`.
-    pub fn shear_modulus(&self) -> f64 {
-        self.modulus / (2.0 * (1.0 + self.poisson))
-    }
-
-    /// Whether it can be under a mesh.
-    ///
-    /// # Errors
-    /// A layer thinner than the spacing of the nodes, a mesh that is no lattice.
-    pub fn check(&self, mesh: &Mesh) -> Result<(), GelError> {
-        let &Lattice { spacing, .. } = mesh.lattice.as_ref().ok_or(GelError::NoLattice)?;
-        match self.thickness {
-            Some(thickness) if thickness < spacing => {
-                Err(GelError::ThinLayer { thickness, spacing })
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Traction per displacement, kPa/um, of waves of traction across the wave vector with this wave number, 1/um.
-    fn stiffness_of_waves(&self, number: f64) -> f64 {
-        let shear = match self.thickness {
-            Some(thickness) => layer::compliance(self.poisson, number * thickness)[1],
-            None => 1.0,
-        } / (self.shear_modulus() * number);
-        (shear + self.adhesion_stiffness.map_or(0.0, f64::recip)).recip()
-    }
-}
 
 impl Adhesion {
     /// The nodes that adhere, of a mesh whose long axis is the unit vector `axis`.
@@ -250,19 +162,6 @@ impl GelBed {
     pub fn gel(&self) -> &Gel {
         &self.gel
     }
-}
-
-/// Displacements of the surface of a gel, on the lattice of the cell and around it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Surface {
-    /// Distance between places, um.
-    pub spacing: f64,
-    /// The place in the lower left corner, um.
-    pub origin: [f64; 2],
-    /// Columns and rows.
-    pub shape: [usize; 2],
-    /// Along x and y, um, row by row from the lowest.
-    pub displacements: Vectors,
 }
 
 impl GelBed {

@@ -28,6 +28,11 @@ import { fillField } from "./fields.js";
 const PATCH = 5;
 const MOST_PATCHES = 12000;
 
+/** Distance between arrows, their longest, and what is too short to be drawn, px. */
+const ARROWS = 16;
+const LONGEST_ARROW = 32;
+const SHORTEST_ARROW = 2.5;
+
 /** A canvas with a cell on it. */
 export class CellView extends Sheet {
   #shape;
@@ -91,7 +96,52 @@ export class CellView extends Sheet {
     pen.setLineDash([]);
     traceRings(place, shapes, this.#shape.points);
     line(look.ink.line, 1.5);
+    if (field.key === "traction") this.#drawArrows(place, field, look.ink);
     this.drawScaleBar(place, look.ink, photograph);
+  }
+
+  /**
+   * Arrows of the tractions, one for each square of the sheet: the mean of those in it.
+   *
+   * @param {Place} place
+   * @param {Field} field
+   * @param {Ink} ink
+   */
+  #drawArrows({ pen, scale, origin }, field, ink) {
+    const { points, traction } = this.#shape;
+    if (traction === null) return;
+    const { corners, within } = this.shapes;
+    /** Sums of places and tractions, and how many, by square of the sheet. @type {Map<string, number[]>} */
+    const sums = new Map();
+    for (let square = 0; square < within; square++) {
+      let [x, y] = [0, 0];
+      for (const corner of corners.subarray(4 * square, 4 * square + 4)) {
+        x += (origin.x + scale * points[2 * corner]) / 4;
+        y += (origin.y - scale * points[2 * corner + 1]) / 4;
+      }
+      const key = `${Math.round(x / ARROWS)} ${Math.round(y / ARROWS)}`;
+      const sum = sums.get(key) ?? [0, 0, 0, 0, 0];
+      [x, y, traction[2 * square], -traction[2 * square + 1], 1].forEach((value, at) => (sum[at] += value));
+      sums.set(key, sum);
+    }
+    pen.beginPath();
+    for (const [x, y, right, down, count] of sums.values()) {
+      const size = Math.hypot(right, down) / count;
+      const length = Math.min(size / field.high, 1) * LONGEST_ARROW;
+      if (!(length > SHORTEST_ARROW)) continue;
+      const [u, v] = [(right / count / size) * length, (down / count / size) * length];
+      const start = [x / count, y / count];
+      const end = [start[0] + u, start[1] + v];
+      const head = Math.min(0.4 * length, 5) / length;
+      pen.moveTo(start[0], start[1]);
+      pen.lineTo(end[0], end[1]);
+      pen.moveTo(end[0] - head * (u - 0.6 * v), end[1] - head * (v + 0.6 * u));
+      pen.lineTo(end[0], end[1]);
+      pen.lineTo(end[0] - head * (u + 0.6 * v), end[1] - head * (v - 0.6 * u));
+    }
+    pen.lineWidth = 1.2;
+    pen.strokeStyle = ink.line;
+    pen.stroke();
   }
 
   /** Least and greatest value of what was drawn last, over the squares of the mesh. */

@@ -43,6 +43,7 @@ function bytes(text) {
  * @property {Float32Array} points Positions, um, x and y in turn.
  * @property {number} tension Active tension, kPa.
  * @property {Float32Array | null} stress Active stress of each square, kPa, where it differs.
+ * @property {Float32Array | null} traction Traction of each square on the gel, Pa, x and y in turn, where there is one.
  */
 
 /**
@@ -52,7 +53,7 @@ function bytes(text) {
  * @returns {Shape}
  */
 export function blankShape(shapes) {
-  return { points: new Float32Array(shapes.rest.length), tension: 0, stress: null };
+  return { points: new Float32Array(shapes.rest.length), tension: 0, stress: null, traction: null };
 }
 
 /**
@@ -85,6 +86,7 @@ export function recordedShapes(cell) {
   const { t_ms: times, step_um: step, ta_kpa: tensions, stress_step_kpa: stressStep } = cell.frames;
   const moved = new Int16Array(bytes(cell.frames.displacement));
   const stress = cell.frames.stress === null ? null : new Uint16Array(bytes(cell.frames.stress));
+  const traction = cell.frames.traction === null ? null : new Int16Array(bytes(cell.frames.traction));
   const squares = corners.length / 4;
   const count = rest.length;
 
@@ -113,11 +115,18 @@ export function recordedShapes(cell) {
         shape.points[i] = rest[i] + step * (moved[a + i] + part * (moved[b + i] - moved[a + i]));
       }
       shape.tension = tensions[last] + part * (tensions[next] - tensions[last]);
-      if (stress === null) return;
-      shape.stress ??= new Float32Array(squares);
-      for (let i = 0; i < squares; i++) {
-        const [from, to] = [stress[last * squares + i], stress[next * squares + i]];
-        shape.stress[i] = stressStep * (from + part * (to - from));
+      /** @type {(values: Uint16Array | Int16Array, step: number, into: Float32Array) => Float32Array} */
+      const between = (values, step, into) => {
+        const length = into.length;
+        for (let i = 0; i < length; i++) {
+          const [from, to] = [values[last * length + i], values[next * length + i]];
+          into[i] = step * (from + part * (to - from));
+        }
+        return into;
+      };
+      if (stress !== null) shape.stress = between(stress, stressStep, shape.stress ?? new Float32Array(squares));
+      if (traction !== null) {
+        shape.traction = between(traction, cell.frames.traction_step_pa, shape.traction ?? new Float32Array(2 * squares));
       }
     },
   };

@@ -74,6 +74,10 @@ export function fillField(key, shapes, shape, values) {
       case "active-stress":
         values[square] = shape.stress === null ? shape.tension : shape.stress[square];
         break;
+      case "traction":
+        values[square] =
+          shape.traction === null ? 0 : Math.hypot(shape.traction[2 * square], shape.traction[2 * square + 1]);
+        break;
       case "displacement": {
         let sum = 0;
         for (let corner = 4 * square; corner < 4 * square + 4; corner++) {

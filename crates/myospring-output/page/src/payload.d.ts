@@ -212,6 +212,9 @@ export interface Frames {
   /** Active stress of each square in each frame, in steps of `stress_step_kpa`, where it differs. u16. */
   stress: Packed | null;
   stress_step_kpa: number;
+  /** Traction on the gel of each square in each frame, x and y in turn, in steps of `traction_step_pa`. i16. */
+  traction: Packed | null;
+  traction_step_pa: number;
 }
 
 /** What the cell can be coloured by. */
@@ -235,7 +238,8 @@ export type FieldKey =
   | "cross-strain"
   | "area-ratio"
   | "active-stress"
-  | "displacement";
+  | "displacement"
+  | "traction";
 
 export interface Picture {
   /** `data:image/png;base64,...` */

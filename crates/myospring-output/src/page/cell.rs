@@ -88,6 +88,8 @@ struct Frames {
     ta_kpa: Vec<f64>,
     stress: Option<String>,
     stress_step_kpa: f64,
+    traction: Option<String>,
+    traction_step_pa: f64,
 }
 
 /// A cell on a page of `share` cells.
@@ -128,6 +130,21 @@ pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>
         packed(values.iter().map(|value| ((value / stress_step).round() as u16).to_le_bytes()))
     });
 
+    // x and y of each square in turn.
+    let tractions = shown.iter().map(|frame| fields.tractions(frame)).collect::<Option<Vec<_>>>();
+    let tractions = tractions.map(|frames| {
+        let pairs = frames.iter().flat_map(|axes| {
+            let [x, y] = axes.each_ref().map(|values| display.means(values));
+            x.into_iter().zip(y).flat_map(|(x, y)| [x, y])
+        });
+        pairs.collect::<Vec<f64>>()
+    });
+    let strongest = tractions.iter().flatten().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let traction_step = (strongest / f64::from(i16::MAX)).max(1e-9);
+    let traction = tractions.map(|values| {
+        packed(values.iter().map(|value| ((value / traction_step).round() as i16).to_le_bytes()))
+    });
+
     let picture = cell.picture.as_ref().map(|picture| photograph::of(picture, cell.outline));
     Ok(CellData {
         label: cell.label,
@@ -145,6 +162,8 @@ pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>
             ta_kpa: shown.iter().map(|frame| rounded(frame.ta_kpa)).collect(),
             stress,
             stress_step_kpa: stress_step,
+            traction,
+            traction_step_pa: traction_step,
         },
         spacing_um: rounded(display.spacing),
         accuracy_um: rounded(tolerance + step),
@@ -172,8 +191,10 @@ fn small(cell: &MovingCell<'_>, all: &[&Frame], budget: usize) -> Small {
         let display = Display::new(cell.mesh, cell.outline, coarser);
         let displacements: Vec<Vec<f32>> =
             all.iter().map(|frame| display.displacements(&frame.positions)).collect();
-        let per_frame =
-            4 * display.rest.len() + if differs(cell) { 2 * display.corners.len() } else { 0 };
+        let on_gel = all.iter().all(|frame| frame.on_gel_nn.is_some());
+        let per_frame = 4 * display.rest.len()
+            + if differs(cell) { 2 * display.corners.len() } else { 0 }
+            + if on_gel { 4 * display.corners.len() } else { 0 };
         loop {
             let kept = frames::kept(&times, &displacements, tolerance, longest);
             if kept.len() * per_frame <= budget || kept.len() <= 2 {

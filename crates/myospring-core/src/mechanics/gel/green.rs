@@ -15,7 +15,7 @@
 //!
 //! A layer that is bonded to glass adds a smooth part ([`Layer`]).
 
-use super::Gel;
+use super::description::Gel;
 use super::layer::Layer;
 
 /// Points of Gauss's rule over an edge, with their weights, of an edge from -1/2 to 1/2.

@@ -1,14 +1,7 @@
 //! A layer of gel that is bonded to glass.
 //!
-//! Tractions with the wave vector **k** move its surface along **k** and across it by (`merkel_2007`), with `s = k h`,
-//!
-//! ```text
-//! u_L / t_L = (1 - nu) / (G k) [(3 - 4 nu) sinh s cosh s + s] / [(3 - 4 nu) cosh^2 s + s^2 + (1 - 2 nu)^2]
-//! u_T / t_T = tanh s / (G k)
-//! ```
-//!
-//! For long waves both are `h/G`, for short ones those of a half-space, `(1 - nu)/(G k)` and `1/(G k)`. The difference to a
-//! half-space goes as `exp(-2 s)`, so in space it is smooth over the thickness:
+//! It differs from a half-space for long waves (`wave`): the difference goes as `exp(-2 k h)`, so in space it is smooth over the
+//! thickness:
 //!
 //! ```text
 //! dG_ij(r) = g_0(r/h) delta_ij + g_2(r/h) (2 r_i r_j / r^2 - delta_ij)
@@ -17,7 +10,8 @@
 //!
 //! where `dL` and `dT` are the differences in units of `h/G`. Beyond some ten thicknesses the layer does not move at all.
 
-use super::Gel;
+use super::description::Gel;
+use super::wave::compliance;
 use libm::{j0, j1};
 use std::f64::consts::PI;
 
@@ -36,16 +30,6 @@ const GAUSS: [[f64; 2]; 5] = [
     [0.538_469_310_105_683_1, 0.478_628_670_499_366_5],
     [0.906_179_845_938_664, 0.236_926_885_056_189_1],
 ];
-
-/// Displacement of the surface under tractions with a wave number, in units of `1/(G k)`, along and across the wave vector.
-pub(super) fn compliance(poisson: f64, s: f64) -> [f64; 2] {
-    let stiff = 3.0 - 4.0 * poisson;
-    // Divided by cosh^2 s, so that nothing overflows.
-    let (tanh, narrow) = (s.tanh(), s.cosh().powi(-2));
-    let along =
-        (stiff * tanh + s * narrow) / (stiff + (s * s + (1.0 - 2.0 * poisson).powi(2)) * narrow);
-    [(1.0 - poisson) * along, tanh]
-}
 
 /// What a layer differs from a half-space by.
 pub(super) struct Layer {

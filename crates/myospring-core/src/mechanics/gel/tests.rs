@@ -140,7 +140,7 @@ fn waves_on_a_layer_move_as_their_closed_forms() {
         let gel = Gel { poisson, thickness: Some(thickness), ..Gel::half_space(6.0) };
         let bed = bed(gel, &mesh);
         let number = TAU / 20.0;
-        let wanted = layer::compliance(poisson, number * thickness);
+        let wanted = wave::compliance(poisson, number * thickness);
         for (along, wanted) in wanted.into_iter().enumerate() {
             // Crests at the middle of the square; nodes on its rim count whole squares, too.
             let wave: Vec<f64> =

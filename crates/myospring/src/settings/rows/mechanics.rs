@@ -66,7 +66,7 @@ worded! { Adhesion {
     Adhesion::Rim = "rim": "What lies within 3 um of its outline.",
 } }
 
-/// Stiffness of a bed unless stated, kPa/um: that of `examples/gel.toml`. A run says that it was assumed.
+/// Stiffness of a bed unless stated, kPa/um: a shear modulus of 5 kPa over 10 um. A run says that it was assumed.
 const USUAL_BED: f64 = 0.5;
 
 const FIBRE: &str = "mechanics.fibre";
@@ -347,7 +347,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
         "mechanics.adhesion_stiffness",
         "Stiffness of what ties the cell to the gel, traction per distance; unless stated it does not give way.",
-        Bounds::any(Dimension::BedStiffness, "5 kPa/um").above(0.0).to(1e6),
+        Bounds::any(Dimension::BedStiffness, "5 kPa/um").from(1e-3).to(1e6),
         |run| gel(run).and_then(|gel| gel.adhesion_stiffness),
         |run, stiffness| change_gel(run, |gel| gel.adhesion_stiffness = Some(stiffness)),
     )

@@ -1,0 +1,402 @@
+//! Tractions from displacements of the gel: traction-force microscopy.
+//!
+//! In a window that goes on periodically, displacement and traction of each wave are in proportion (`butler_2002`; of a layer,
+//! `wave`). Noise of short waves would be multiplied, so they are damped (`sabass_2008`):
+//!
+//! ```text
+//! t(k) = g u(k) / (g^2 + lambda^2)         g: displacement over traction, along the wave vector and across it
+//! ```
+//!
+//! `lambda` is chosen by generalised cross-validation (`golub_1979`): it makes the sum of `(1 - f)^2 |u|^2` over the square of
+//! the sum of `1 - f` least, with `f = g^2/(g^2 + lambda^2)`. What is left of the displacements then tells their noise, and
+//! that of the tractions follows.
+//!
+//! With a region, tractions are 0 outside of it: they are those whose displacements, in an endless plane, are nearest to the
+//! measured ones up to a shift, with the same `lambda`, by conjugate gradients on the normal equations.
+
+use super::convolution::{Convolution, Number, Waves};
+use super::description::{Gel, GelError};
+use super::green::Green;
+use super::surface::Surface;
+use super::wave;
+use crate::mechanics::vectors::{Vectors, add_scaled, product, zeros};
+use std::f64::consts::{PI, TAU};
+
+/// How many values of `lambda` are tried, and the decades that they cover below the largest `g`.
+const TRIED: usize = 49;
+const DECADES: f64 = 6.0;
+/// Rounds of conjugate gradients, and the part of the residual at which they end.
+const ROUNDS: usize = 200;
+const ENOUGH: f64 = 1e-6;
+
+/// Tractions on a gel, at the places of a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tractions {
+    /// Along x and y, Pa, row by row from the lowest.
+    pub tractions_pa: Vectors,
+    /// How much short waves are damped, um/kPa.
+    pub smoothing: f64,
+    /// Waves shorter than this are damped to less than half, um.
+    pub shortest_wave_um: f64,
+    /// Standard deviation of the noise of a displacement, um.
+    pub noise_um: f64,
+    /// Standard deviation of a traction that this noise makes, Pa, where tractions are not confined to a region.
+    pub noise_pa: f64,
+}
+
+impl Tractions {
+    /// Sum of the absolute tractions over places of this spacing, um, in nN; of those in a region, if there is one.
+    pub fn force_nn(&self, spacing: f64, region: Option<&[bool]>) -> f64 {
+        let [x, y] = &self.tractions_pa;
+        let within = |place: usize| region.is_none_or(|region| region[place]);
+        let sizes = x.iter().zip(y).enumerate().filter(|(place, _)| within(*place));
+        1e-3 * spacing * spacing * sizes.map(|(_, (x, y))| x.hypot(*y)).sum::<f64>()
+    }
+
+    /// The force that noise alone would make in so many places, nN.
+    pub fn noise_floor_nn(&self, spacing: f64, places: usize) -> f64 {
+        // The mean length of a vector of two normal numbers.
+        1e-3 * spacing * spacing * places as f64 * self.noise_pa * (0.5 * PI).sqrt()
+    }
+}
+
+/// A wave.
+struct Wave {
+    /// Displacement over traction, along its wave vector and across it, um/kPa.
+    compliance: [f64; 2],
+    /// Of the wave vector.
+    direction: [f64; 2],
+    /// 1/um.
+    number: f64,
+}
+
+/// The tractions that move a surface as it was measured.
+///
+/// # Errors
+/// A layer thinner than the distance of places.
+///
+/// # Panics
+/// If displacements or region are not one for each place.
+///
+/// # Example
+/// The tractions of a simulated cell, from the displacements around it:
+/// ```
+/// use myospring::mechanics::compliance::Compliance;
+/// use myospring::mechanics::gel::cytometry::tractions;
+/// use myospring::mechanics::gel::{Gel, GelBed};
+/// use myospring::mesh::lattice;
+///
+/// let strip = lattice::rectangle(40, 12, 1.0)?;
+/// let gel = Gel::half_space(10.0);
+/// let bed = GelBed::new(gel, &strip, [1.0, 0.0])?;
+/// let x = strip.points[0].iter().map(|x| 20.0 + 0.98 * (x - 20.0)).collect();
+/// let forces = bed.forces(&bed.displacements(&[x, strip.points[1].clone()]));
+/// let total: f64 = forces[0].iter().zip(&forces[1]).map(|(x, y)| x.hypot(*y)).sum();
+/// let surface = bed.surface(&forces, 1.0);
+/// let inside = surface.within(|[x, y]| (-1.0..41.0).contains(&x) && (-1.0..13.0).contains(&y));
+/// let found = tractions(&gel, &surface, Some(&inside))?;
+/// assert!((found.force_nn(1.0, Some(&inside)) / total - 1.0).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn tractions(
+    gel: &Gel,
+    surface: &Surface,
+    region: Option<&[bool]>,
+) -> Result<Tractions, GelError> {
+    gel.check_spacing(surface.spacing)?;
+    let places = surface.shape[0] * surface.shape[1];
+    assert!(surface.displacements.iter().all(|axis| axis.len() == places), "one for each place");
+    let waves = Waves::new(surface.shape);
+    let measured = centred(&surface.displacements);
+    let spectrum = Spectrum::of(gel, surface, &waves, &measured);
+    let smoothing = spectrum.cross_validated();
+    let square = smoothing * smoothing;
+    let [noise_um, gain] = spectrum.noise(smoothing);
+    let forces = match region {
+        Some(region) => confined(gel, surface, region, smoothing),
+        None => waves.changed(&measured, |place, [x, y]| {
+            let Wave { compliance, direction: [cosine, sine], .. } = wave_at(gel, surface, place);
+            let [along, across] = [x * cosine + y * sine, y * cosine - x * sine];
+            let damped = |part: Number, g: f64| {
+                if g > 0.0 { part * (g / (g * g + square)) } else { Number::default() }
+            };
+            let [along, across] = [damped(along, compliance[0]), damped(across, compliance[1])];
+            [along * cosine - across * sine, along * sine + across * cosine]
+        }),
+    };
+    Ok(Tractions {
+        // kPa.
+        tractions_pa: forces.map(|axis| axis.into_iter().map(|t| 1e3 * t).collect()),
+        smoothing,
+        shortest_wave_um: spectrum.shortest(smoothing),
+        noise_um,
+        noise_pa: 1e3 * noise_um * gain,
+    })
+}
+
+/// Without the mean.
+fn centred(vectors: &Vectors) -> Vectors {
+    vectors.each_ref().map(|axis| {
+        let mean = axis.iter().sum::<f64>() / axis.len() as f64;
+        axis.iter().map(|x| x - mean).collect()
+    })
+}
+
+/// A wave of a surface. The mean is one that moves nothing.
+fn wave_at(gel: &Gel, surface: &Surface, place: [usize; 2]) -> Wave {
+    let k = [0, 1].map(|axis: usize| {
+        let (at, count) = (place[axis] as f64, surface.shape[axis] as f64);
+        TAU * if 2.0 * at <= count { at } else { at - count } / (count * surface.spacing)
+    });
+    let number = k[0].hypot(k[1]);
+    if number == 0.0 {
+        return Wave { compliance: [0.0; 2], direction: [1.0, 0.0], number };
+    }
+    let in_units = match gel.thickness {
+        Some(thickness) => wave::compliance(gel.poisson, number * thickness),
+        None => [1.0 - gel.poisson, 1.0],
+    };
+    let compliance = in_units.map(|part| part / (gel.shear_modulus() * number));
+    Wave { compliance, direction: k.map(|part| part / number), number }
+}
+
+/// The measured waves, each with both of its parts.
+struct Spectrum {
+    places: f64,
+    /// Compliance, um/kPa, and square of the displacement, um^2, of a part, times how often it occurs.
+    parts: Vec<[f64; 3]>,
+    /// Numbers of the waves, 1/um, with the compliance across them.
+    numbers: Vec<[f64; 2]>,
+}
+
+impl Spectrum {
+    fn of(gel: &Gel, surface: &Surface, waves: &Waves, measured: &Vectors) -> Self {
+        let places = (surface.shape[0] * surface.shape[1]) as f64;
+        let (mut parts, mut numbers) = (Vec::new(), Vec::new());
+        waves.changed(measured, |place, [x, y]| {
+            let Wave { compliance, direction: [cosine, sine], number } =
+                wave_at(gel, surface, place);
+            // The opposite wave is alike, unless it is this one.
+            let opposite =
+                [0, 1].map(|axis: usize| (surface.shape[axis] - place[axis]) % surface.shape[axis]);
+            let times = if opposite == place { 1.0 } else { 2.0 };
+            // By Parseval, with transforms that are not divided by the number of places.
+            let sizes =
+                [x * cosine + y * sine, y * cosine - x * sine].map(|part| part.norm_sqr() / places);
+            if number > 0.0 {
+                parts.extend(compliance.iter().zip(sizes).map(|(g, size)| [*g, size, times]));
+                numbers.push([number, compliance[1]]);
+            }
+            [x, y]
+        });
+        Self { places, parts, numbers }
+    }
+
+    /// Sum of squares that a smoothing leaves, um^2, and the number of independent ones.
+    fn left(&self, smoothing: f64) -> [f64; 2] {
+        let square = smoothing * smoothing;
+        self.parts.iter().fold([0.0; 2], |[left, freedom], [g, size, times]| {
+            let lost = square / (g * g + square);
+            [left + times * lost * lost * size, freedom + times * lost]
+        })
+    }
+
+    /// The smoothing by generalised cross-validation, um/kPa.
+    fn cross_validated(&self) -> f64 {
+        let largest = self.parts.iter().map(|[g, ..]| *g).fold(0.0, f64::max);
+        let tried = (0..TRIED)
+            .map(|step| largest * 10f64.powf(-DECADES * step as f64 / (TRIED - 1) as f64));
+        let score = |smoothing: f64| {
+            let [left, freedom] = self.left(smoothing);
+            left / (freedom * freedom)
+        };
+        let best = tried.map(|smoothing| (score(smoothing), smoothing));
+        best.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(largest, |(_, smoothing)| smoothing)
+    }
+
+    /// Standard deviation of the displacements' noise, um, and what it is multiplied by in tractions, kPa/um.
+    fn noise(&self, smoothing: f64) -> [f64; 2] {
+        let [left, freedom] = self.left(smoothing);
+        let gain = self
+            .parts
+            .iter()
+            .map(|[g, _, times]| times * (g / (g * g + smoothing * smoothing)).powi(2));
+        let gain = (gain.sum::<f64>() / (2.0 * self.places)).sqrt();
+        [if freedom > 0.0 { (left / freedom).sqrt() } else { 0.0 }, gain]
+    }
+
+    /// The shortest wave of which at least half is kept, um.
+    fn shortest(&self, smoothing: f64) -> f64 {
+        let kept = self.numbers.iter().filter(|[_, g]| *g >= smoothing);
+        TAU / kept.map(|[number, _]| *number).fold(0.0, f64::max)
+    }
+}
+
+/// Tractions (kPa) that are 0 outside a region.
+fn confined(gel: &Gel, surface: &Surface, region: &[bool], smoothing: f64) -> Vectors {
+    let [columns, _] = surface.shape;
+    let area = surface.spacing * surface.spacing;
+    let convolution =
+        Convolution::new(&Green::new(*gel, surface.spacing), surface.spacing, surface.shape);
+    let all: Vec<[u32; 2]> = (0..region.len())
+        .map(|place| [(place % columns) as u32, (place / columns) as u32])
+        .collect();
+    let limited = |mut vectors: Vectors| {
+        for axis in &mut vectors {
+            axis.iter_mut().zip(region).for_each(|(x, inside)| {
+                if !inside {
+                    *x = 0.0;
+                }
+            });
+        }
+        vectors
+    };
+    // Tractions to displacements without their mean, and back: both are symmetric.
+    let displaced = |tractions: &Vectors| {
+        let forces = tractions.each_ref().map(|axis| axis.iter().map(|t| area * t).collect());
+        centred(&convolution.displacements(&all, &forces))
+    };
+    let gathered = |moved: &Vectors| {
+        let moved = convolution.displacements(&all, moved);
+        limited(moved.map(|axis| axis.into_iter().map(|x| area * x).collect()))
+    };
+    let mut tractions = zeros(region.len());
+    let mut rest = gathered(&centred(&surface.displacements));
+    let mut direction = rest.clone();
+    let mut size = product(&rest, &rest);
+    let enough = ENOUGH * ENOUGH * size;
+    for _ in 0..ROUNDS {
+        if size <= enough {
+            break;
+        }
+        let mut image = gathered(&displaced(&direction));
+        add_scaled(&mut image, smoothing * smoothing, &direction);
+        let step = size / product(&direction, &image);
+        add_scaled(&mut tractions, step, &direction);
+        add_scaled(&mut rest, -step, &image);
+        let before = std::mem::replace(&mut size, product(&rest, &rest));
+        for (direction, rest) in direction.iter_mut().flatten().zip(rest.iter().flatten()) {
+            *direction = rest + size / before * *direction;
+        }
+    }
+    tractions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::compliance::Compliance;
+    use crate::mechanics::gel::GelBed;
+    use crate::mesh::{Mesh, lattice};
+
+    /// A strip of 48 x 14 um that shortens by a fiftieth, widens by a hundredth, and its gel.
+    fn pulled(gel: Gel) -> (Mesh, Surface, f64) {
+        let mesh = lattice::rectangle(48, 14, 1.0).unwrap();
+        let bed = GelBed::new(gel, &mesh, [1.0, 0.0]).unwrap();
+        let stretched = |axis: usize, middle: f64, by: f64| {
+            mesh.points[axis].iter().map(|x| middle + by * (x - middle)).collect()
+        };
+        let positions = [stretched(0, 24.0, 0.98), stretched(1, 7.0, 1.01)];
+        let forces = bed.forces(&bed.displacements(&positions));
+        let total = forces[0].iter().zip(&forces[1]).map(|(x, y)| x.hypot(*y)).sum();
+        let surface = bed.surface(&forces, 0.6);
+        (mesh, surface, total)
+    }
+
+    /// Numbers of a normal distribution, by sums of twelve.
+    fn noise(count: usize, size: f64, seed: u64) -> Vec<f64> {
+        let mut state = seed;
+        let mut even = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..count).map(|_| size * ((0..12).map(|_| even()).sum::<f64>() - 6.0)).collect()
+    }
+
+    fn inside(surface: &Surface) -> Vec<bool> {
+        surface.within(|[x, y]| (-1.1..49.1).contains(&x) && (-1.1..15.1).contains(&y))
+    }
+
+    #[test]
+    fn tractions_come_back_from_the_displacements_that_they_make() {
+        for gel in [
+            Gel::half_space(3.0),
+            Gel { poisson: 0.3, ..Gel::half_space(30.0) },
+            Gel { thickness: Some(8.0), ..Gel::half_space(10.0) },
+        ] {
+            let (_, surface, total) = pulled(gel);
+            let inside = inside(&surface);
+            let open = tractions(&gel, &surface, None).unwrap().force_nn(1.0, Some(&inside));
+            let found = tractions(&gel, &surface, Some(&inside)).unwrap();
+            let confined = found.force_nn(1.0, Some(&inside));
+            // A window that goes on periodically, and rims that no wave resolves.
+            assert!((open / total - 1.0).abs() < 0.05, "{gel:?}: {open} of {total} nN");
+            assert!((confined / total - 1.0).abs() < 0.03, "{gel:?}: {confined} of {total} nN");
+            assert_eq!(found.force_nn(1.0, None), confined);
+        }
+    }
+
+    #[test]
+    fn noise_is_told_and_the_force_comes_back_beside_it() {
+        let gel = Gel::half_space(5.0);
+        let (_, surface, total) = pulled(gel);
+        let inside = inside(&surface);
+        let most = surface.displacements[0].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        for part in [0.01, 0.05] {
+            for seed in 1..6 {
+                let mut noisy = surface.clone();
+                for (axis, moved) in noisy.displacements.iter_mut().enumerate() {
+                    let added = noise(moved.len(), part * most, seed + 100 * axis as u64);
+                    moved.iter_mut().zip(added).for_each(|(x, by)| *x += by);
+                }
+                let found = tractions(&gel, &noisy, Some(&inside)).unwrap();
+                let told = found.noise_um / (part * most);
+                assert!((0.85..1.15).contains(&told), "{part}: noise {told} of what it is");
+                let force = found.force_nn(1.0, None);
+                assert!((force / total - 1.0).abs() < 0.1, "{part}: {force} of {total} nN");
+            }
+        }
+    }
+
+    #[test]
+    fn of_noise_alone_the_force_is_its_floor() {
+        let gel = Gel::half_space(5.0);
+        let (_, mut surface, _) = pulled(gel);
+        for (axis, moved) in surface.displacements.iter_mut().enumerate() {
+            *moved = noise(moved.len(), 0.05, 7 + axis as u64);
+        }
+        let found = tractions(&gel, &surface, None).unwrap();
+        let places = surface.shape[0] * surface.shape[1];
+        let ratio = found.force_nn(1.0, None) / found.noise_floor_nn(1.0, places);
+        assert!((0.8..1.2).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn a_wave_comes_back_to_the_digit() {
+        let gel = Gel { thickness: Some(5.0), poisson: 0.4, ..Gel::half_space(7.0) };
+        let shape = [60, 40];
+        let number = TAU * 3.0 / 60.0;
+        let [along, across] =
+            wave::compliance(gel.poisson, 5.0 * number).map(|g| g / (gel.shear_modulus() * number));
+        let wave = |size: f64| {
+            (0..60 * 40)
+                .map(|place| size * (number * f64::from(place % 60)).cos())
+                .collect::<Vec<f64>>()
+        };
+        let surface = Surface {
+            spacing: 1.0,
+            origin: [0.0; 2],
+            shape,
+            displacements: [wave(2.0 * along), wave(0.5 * across)],
+        };
+        let found = tractions(&gel, &surface, None).unwrap();
+        for (axis, size) in [(0, 2000.0), (1, 500.0)] {
+            for (found, wanted) in found.tractions_pa[axis].iter().zip(wave(size)) {
+                // What the least smoothing that is tried takes away.
+                assert!((found - wanted).abs() < 1e-6 * size, "{found} {wanted}");
+            }
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! The surface of a gel.
+
+use crate::mechanics::vectors::Vectors;
+
+/// Displacements of the surface of a gel, on the lattice of the cell and around it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// Distance between places, um.
+    pub spacing: f64,
+    /// The place in the lower left corner, um.
+    pub origin: [f64; 2],
+    /// Columns and rows.
+    pub shape: [usize; 2],
+    /// Along x and y, um, row by row from the lowest.
+    pub displacements: Vectors,
+}
+
+impl Surface {
+    /// Whether each place (um) lies in a region.
+    pub fn within(&self, region: impl Fn([f64; 2]) -> bool) -> Vec<bool> {
+        let [columns, rows] = self.shape;
+        let at = |index: usize, axis: usize| self.origin[axis] + index as f64 * self.spacing;
+        (0..columns * rows)
+            .map(|place| region([at(place % columns, 0), at(place / columns, 1)]))
+            .collect()
+    }
+}
