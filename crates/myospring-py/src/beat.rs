@@ -120,6 +120,22 @@ pub(crate) fn make(py: Python<'_>, cell: &Inner, file: &RunFile) -> PyResult<(Ru
     Ok((run, made))
 }
 
+impl Beat {
+    /// Vectors of all nodes in each frame: (frames, nodes, 2).
+    fn by_frame<'a, 'py>(
+        &self,
+        py: Python<'py>,
+        frames: impl ExactSizeIterator<Item = &'a [Vec<f64>; 2]>,
+    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let (count, nodes) = (frames.len(), self.beaten.made.simulation.mesh.len());
+        let mut flat = Vec::with_capacity(2 * nodes * count);
+        for [x, y] in frames {
+            flat.extend(x.iter().zip(y).flat_map(|(x, y)| [*x, *y]));
+        }
+        PyArray1::from_vec(py, flat).reshape([count, nodes, 2])
+    }
+}
+
 #[pymethods]
 impl Beat {
     /// The cell that beat.
@@ -163,12 +179,16 @@ impl Beat {
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let frames = &self.beaten.outcome.recording.frames;
-        let nodes = self.beaten.made.simulation.mesh.len();
-        let mut flat = Vec::with_capacity(2 * nodes * frames.len());
-        for Frame { positions: [x, y], .. } in frames {
-            flat.extend(x.iter().zip(y).flat_map(|(x, y)| [*x, *y]));
-        }
-        PyArray1::from_vec(py, flat).reshape([frames.len(), nodes, 2])
+        self.by_frame(py, frames.iter().map(|frame| &frame.positions))
+    }
+
+    /// Forces on the gel, nN: (frames, nodes, 2); `None` of a cell that adheres to none.
+    #[getter]
+    fn forces_on_gel<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray3<f64>>>> {
+        let frames = &self.beaten.outcome.recording.frames;
+        let forces: Option<Vec<_>> = frames.iter().map(|frame| frame.on_gel_nn.as_ref()).collect();
+        let forces = forces.filter(|forces| !forces.is_empty());
+        forces.map(|forces| self.by_frame(py, forces.into_iter())).transpose()
     }
 
     /// Nodes of each triangle: (triangles, 3).

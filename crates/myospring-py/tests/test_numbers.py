@@ -97,13 +97,28 @@ def test_a_beat_has_every_metric_there_is_but_those_of_held_ends_s2_and_own_rhyt
     # Only cells that beat by themselves have these.
     rhythm = {"spontaneous_cycle_length", "lowest_diastolic_potential", "diastolic_depolarisation_rate"}
     held = myospring.simulate(cell, integrator="quasi-static", support="clamped-ends", s2_interval_ms=500)
-    assert set(held.metrics) == set(myospring.METRICS) - rhythm
+    gel = {"peak_traction_force", "time_to_peak_traction_force", "traction_relaxation_time_50",
+           "peak_axial_traction_force", "peak_contractile_moment", "peak_gel_energy"}
+    assert set(held.metrics) == set(myospring.METRICS) - rhythm - gel
     assert held.metrics["coupling_interval"] == 500
     free = {"end_force_at_rest", "peak_end_force", "time_to_peak_end_force", "end_systolic_force",
             "end_systolic_length", "time_to_end_systole", "work_on_load"}
     alone = {"coupling_interval", "diastolic_interval", "relative_peak_tension", "relative_peak_shortening"}
-    assert set(beat.metrics) == set(myospring.METRICS) - free - alone - rhythm
+    assert set(beat.metrics) == set(myospring.METRICS) - free - alone - rhythm - gel
     assert 1000 < held.metrics["peak_end_force"] < 20000
+
+
+def test_a_cell_pulls_on_its_gel_with_the_forces_that_its_curves_add_up(cell, beat):
+    assert beat.forces_on_gel is None
+    pulling = myospring.simulate(cell, support="gel", gel_modulus_kpa=10, adhesion="rim")
+    forces = pulling.forces_on_gel
+    assert forces.shape == pulling.positions.shape
+    at = np.searchsorted(pulling.t_ms, pulling.frame_t_ms)
+    total = np.hypot(*np.moveaxis(forces, 2, 0)).sum(axis=1)
+    np.testing.assert_allclose(total, pulling.to_dataframe()["traction_force_nN"].to_numpy()[at], rtol=1e-4, atol=1e-6)
+    assert 500 < pulling.metrics["peak_axial_traction_force"] < pulling.metrics["peak_traction_force"] < 5000
+    # Nothing outside moves the gel.
+    assert np.abs(forces.sum(axis=1)).max() < 1e-6 * total.max()
 
 
 def test_parameters_of_a_model_change_its_action_potential():

@@ -107,6 +107,11 @@ impl<'a> PageRun<'a> {
         self.groups().into_iter().map(|(name, metrics)| (name, names(metrics))).collect()
     }
 
+    /// Whether something that is measured holds the cell: its ends, or a gel.
+    pub(super) fn is_loaded(&self) -> bool {
+        self.summary.beats.first().is_some_and(|beat| !beat.load.is_empty())
+    }
+
     /// A metric of the first beat that counts, or the mean over several; empty if the run does not
     /// have it.
     pub(super) fn metric(&self, name: &str) -> Read {
@@ -115,7 +120,7 @@ impl<'a> PageRun<'a> {
         let over_beats = self.summary.beat_to_beat.iter().find(|spread| spread.name == name);
         let value = over_beats.map(|spread| spread.mean).or(metric.value);
         // The bands are those of unloaded cells.
-        let loaded = self.summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
+        let loaded = self.is_loaded();
         Read {
             value,
             spread: over_beats.map(|spread| spread.standard_deviation),

@@ -162,8 +162,11 @@ impl<'a> Runs<'a> {
                         values: curve.values.clone(),
                     })
                 });
-            let band =
-                (first.tone == Tone::Shortening).then(|| bands::band("peak_shortening")).flatten();
+            // Measured peaks are those of unloaded cells.
+            let is_free = self.runs.iter().all(|run| !run.is_loaded());
+            let band = (first.tone == Tone::Shortening && is_free)
+                .then(|| bands::band("peak_shortening"))
+                .flatten();
             let chart = Chart {
                 name: first.name.clone(),
                 unit: first.unit.clone(),

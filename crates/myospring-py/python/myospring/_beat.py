@@ -98,6 +98,12 @@ class Beat:
         return _fixed(self._native.positions)
 
     @cached_property
+    def forces_on_gel(self) -> NDArray[np.float64] | None:
+        """Force of each mass on the gel in each recorded shape, nN, of shape (frames, nodes, 2); None without a gel."""
+        forces = self._native.forces_on_gel
+        return None if forces is None else _fixed(forces)
+
+    @cached_property
     def triangles(self) -> NDArray[np.uint32]:
         """Nodes of each triangle, of shape (triangles, 3)."""
         return _fixed(self._native.triangles)
@@ -185,7 +191,7 @@ class Beat:
         Returns
         -------
         xarray.Dataset
-            Curves over ``t_ms``; positions over ``frame_t_ms``, ``node`` and ``axis``; units are attributes.
+            Curves over ``t_ms``; positions and forces on a gel over ``frame_t_ms``, ``node`` and ``axis``; units are attributes.
         """
         curves = {name: (("t_ms",), self._native.column(name)) for name in self._native.columns if name != "t_ms"}
         shapes = {
@@ -193,6 +199,8 @@ class Beat:
             "triangles": (("triangle", "corner"), self.triangles),
             "fibres": (("triangle", "axis"), self.fibres),
         }
+        if self.forces_on_gel is not None:
+            shapes["forces_on_gel_nn"] = (("frame_t_ms", "node", "axis"), self.forces_on_gel)
         times = {"t_ms": (("t_ms",), self.t_ms), "frame_t_ms": (("frame_t_ms",), self.frame_t_ms)}
         return dataset({**curves, **shapes}, times, {"title": self.cell.name, "run_file": self.run_file})
 

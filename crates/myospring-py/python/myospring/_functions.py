@@ -59,11 +59,16 @@ class BeatSettings(TypedDict, total=False):
     myofibril_content: str | PathLike[str]
     sarcomere_length: str | PathLike[str]
     sarcomere_reference_um: float | None
-    support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "elastic-bed"]
+    support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "gel", "elastic-bed"]
     end_stretch: float
     afterload_nn: float | None
     end_stiffness_nn_per_um: float | None
     bed_stiffness_kpa_per_um: float | None
+    gel_modulus_kpa: float | None
+    gel_poisson: float | None
+    gel_thickness_um: float | None
+    adhesion: Literal["everywhere", "ends", "rim"] | None
+    adhesion_stiffness_kpa_per_um: float | None
     integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"]
     engine: Literal["auto", "plain", "fused"]
     time_step_ms: float | None
@@ -124,6 +129,11 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "afterload_nn": ("mechanics.afterload", None),
     "end_stiffness_nn_per_um": ("mechanics.end_stiffness", None),
     "bed_stiffness_kpa_per_um": ("mechanics.bed_stiffness", None),
+    "gel_modulus_kpa": ("mechanics.gel_modulus", None),
+    "gel_poisson": ("mechanics.gel_poisson", None),
+    "gel_thickness_um": ("mechanics.gel_thickness", None),
+    "adhesion": ("mechanics.adhesion", None),
+    "adhesion_stiffness_kpa_per_um": ("mechanics.adhesion_stiffness", None),
     "integrator": ("numerics.integrator", "verlet"),
     "engine": ("numerics.engine", "auto"),
     "time_step_ms": ("numerics.time_step", None),
@@ -183,11 +193,16 @@ def simulate(
     myofibril_content: str | PathLike[str] = "uniform",
     sarcomere_length: str | PathLike[str] = "uniform",
     sarcomere_reference_um: float | None = None,
-    support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "elastic-bed"] = "mass-centre",
+    support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "gel", "elastic-bed"] = "mass-centre",
     end_stretch: float = 1.0,
     afterload_nn: float | None = None,
     end_stiffness_nn_per_um: float | None = None,
     bed_stiffness_kpa_per_um: float | None = None,
+    gel_modulus_kpa: float | None = None,
+    gel_poisson: float | None = None,
+    gel_thickness_um: float | None = None,
+    adhesion: Literal["everywhere", "ends", "rim"] | None = None,
+    adhesion_stiffness_kpa_per_um: float | None = None,
     integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"] = "verlet",
     engine: Literal["auto", "plain", "fused"] = "auto",
     time_step_ms: float | None = None,
@@ -340,7 +355,7 @@ def simulate(
         Length of the sarcomere at which the cell model's stretch is 1. It has not been measured for
         any model: isolated rat cells rest at 1.71 um, the same cells within the heart at 1.95 um
         (Bub 2010). In um, 1 um to 3 um.
-    support : {"mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "elastic-bed"}, default "mass-centre"
+    support : {"mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "gel", "elastic-bed"}, default "mass-centre"
         The support of the cell.
     end_stretch : float, default 1.0
         Distance between clamped or afterloaded ends before the beat, relative to the cell at rest.
@@ -355,6 +370,19 @@ def simulate(
         Stiffness of an "elastic-bed", traction per displacement: for a thin layer its shear modulus
         divided by its thickness. In kPa/um, above 0 kPa/um, at most 1000000 kPa/um. None: "0.5
         kPa/um" for an elastic bed, with a warning.
+    gel_modulus_kpa : float or None
+        Young's modulus of the gel under the cell of "gel". In kPa, 0.001 kPa to 1000000 kPa.
+    gel_poisson : float or None
+        Poisson's ratio of the gel: 0.49 of one that keeps its volume, 0.4 to 0.5 of polyacrylamide.
+        0 to 0.499. None: 0.49.
+    gel_thickness_um : float or None
+        Thickness of the gel, which is bonded to glass; unless stated it is so thick that the glass
+        is not felt. In um, 0.1 um to 100000 um.
+    adhesion : {"everywhere", "ends", "rim"} or None
+        Where the cell adheres to the gel. None: everywhere.
+    adhesion_stiffness_kpa_per_um : float or None
+        Stiffness of what ties the cell to the gel, traction per distance; unless stated it does not
+        give way. In kPa/um, 0.001 kPa/um to 1000000 kPa/um.
     integrator : {"verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"}, default "verlet"
         How the shape follows the tension: in time by Verlet's method ("verlet" is the paper's
         form), or along its equilibria.
@@ -456,6 +484,11 @@ def simulate(
         ("mechanics.afterload", afterload_nn, None),
         ("mechanics.end_stiffness", end_stiffness_nn_per_um, None),
         ("mechanics.bed_stiffness", bed_stiffness_kpa_per_um, None),
+        ("mechanics.gel_modulus", gel_modulus_kpa, None),
+        ("mechanics.gel_poisson", gel_poisson, None),
+        ("mechanics.gel_thickness", gel_thickness_um, None),
+        ("mechanics.adhesion", adhesion, None),
+        ("mechanics.adhesion_stiffness", adhesion_stiffness_kpa_per_um, None),
         ("numerics.integrator", integrator, "verlet"),
         ("numerics.engine", engine, "auto"),
         ("numerics.time_step", time_step_ms, None),
