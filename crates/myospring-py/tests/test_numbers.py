@@ -115,7 +115,7 @@ def test_a_cell_pulls_on_its_gel_with_the_forces_that_its_curves_add_up(cell, be
     assert forces.shape == pulling.positions.shape
     at = np.searchsorted(pulling.t_ms, pulling.frame_t_ms)
     total = np.hypot(*np.moveaxis(forces, 2, 0)).sum(axis=1)
-    np.testing.assert_allclose(total, pulling.to_dataframe()["traction_force_nN"].to_numpy()[at], rtol=1e-4, atol=1e-6)
+    np.testing.assert_allclose(total, pulling.to_dataframe()["traction_force"].to_numpy()[at], rtol=1e-4, atol=1e-6)
     assert 500 < pulling.metrics["peak_axial_traction_force"] < pulling.metrics["peak_traction_force"] < 5000
     # Nothing outside moves the gel.
     assert np.abs(forces.sum(axis=1)).max() < 1e-6 * total.max()
