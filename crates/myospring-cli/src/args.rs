@@ -76,6 +76,8 @@ pub(crate) enum Command {
     /// Analyse the beats of measured curves: every metric of every beat, and where it was read
     #[command(alias = "analyze")]
     Analyse(Box<AnalyseArgs>),
+    /// Find the tractions of a cell from displacements of the gel beneath it
+    Traction(TractionArgs),
     /// Fit a cell's own parameters to its measured curve, with confidence intervals
     Fit(Box<FitArgs>),
     /// Compare runs: curves, cells and a table of differences; factors and doses
@@ -291,6 +293,44 @@ pub(crate) struct TrackArgs {
     #[arg(long, value_name = "WORDS", value_delimiter = ',', value_parser = outputs::of_track(),
           default_value = outputs::OF_TRACK, help_heading = OUTPUT)]
     pub(crate) outputs: Vec<String>,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+}
+
+/// `myospring traction`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    myospring traction u.npy v.npy --pixel-size \"0.63 um\" --gel-modulus \"10 kPa\"\n  \
+    myospring traction u.npy v.npy --pixel-size \"0.63 um\" --gel-modulus \"10 kPa\" --region cell.png\n  \
+    myospring traction u.npy v.npy --pixel-size \"2 um\" --unit \"1 um\" --frame-rate 30 --gel-modulus \"2 kPa\"\n\n\
+    Results: traction.csv (force, contractile moment, energy of the gel and noise floor of each frame), tractions.npz \
+    (tractions in Pa, as the displacements lie), summary.json (also how fine the map is), figures/traction.")]
+pub(crate) struct TractionArgs {
+    /// NumPy arrays of the displacements of the gel to the right and downward (.npy), rows from the top: of rows and columns,
+    /// or of frames, rows and columns, as pyTFM has them
+    #[arg(value_name = "U V", num_args = 2, required = true)]
+    pub(crate) displacements: Vec<PathBuf>,
+    /// Distance of neighbouring places of the arrays ("0.63 um")
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) pixel_size: String,
+    /// What a displacement of 1 is ("1 um") [default: the distance of neighbouring places]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) unit: Option<String>,
+    /// Young's modulus of the gel ("10 kPa")
+    #[arg(long, value_name = "MODULUS", allow_hyphen_values = true)]
+    pub(crate) gel_modulus: String,
+    /// Poisson's ratio of the gel, from 0 to below 0.5
+    #[arg(long, value_name = "RATIO", allow_hyphen_values = true, default_value = "0.49")]
+    pub(crate) gel_poisson: f64,
+    /// Thickness of the gel, bonded to glass [default: so thick that the glass is not felt]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) gel_thickness: Option<String>,
+    /// Picture of as many rows and columns as the arrays (.png, .tif): tractions are 0 where it is black
+    #[arg(long, value_name = "FILE")]
+    pub(crate) region: Option<PathBuf>,
+    /// Frames a second (30, or "30 /s")
+    #[arg(long, value_name = "RATE", allow_hyphen_values = true)]
+    pub(crate) frame_rate: Option<String>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }

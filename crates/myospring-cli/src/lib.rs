@@ -34,6 +34,7 @@ mod terminal;
 #[cfg(test)]
 mod tests;
 mod track;
+mod traction;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -96,6 +97,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
             &[Kind::Curves, Kind::Tables, Kind::Results],
             analyse::analyse(args),
         ),
+        Some(Command::Traction(args)) => traction::traction(args),
         Some(Command::Fit(args)) => {
             let takes = [Kind::Curves, Kind::Tables, Kind::Film, Kind::Picture, Kind::Pictures];
             with("fit", &args.to, &takes, fit::fit(args))

@@ -52,6 +52,11 @@ impl Array {
         }
     }
 
+    /// Its lengths, the outermost first.
+    pub fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
     /// Its values, if they are whole numbers.
     pub fn as_whole(&self) -> Option<&[i32]> {
         match &self.numbers {
@@ -160,14 +165,15 @@ pub fn read(bytes: &[u8]) -> Result<BTreeMap<String, Array>, NpzError> {
         let mut content = Vec::new();
         file.read_to_end(&mut content)
             .map_err(|source| NpzError::Bytes { name: name.clone(), source })?;
-        let array = parse(&content).ok_or_else(|| NpzError::Kind { name: name.clone() })?;
+        let array = from_npy(&content).ok_or_else(|| NpzError::Kind { name: name.clone() })?;
         arrays.insert(name, array);
     }
     Ok(arrays)
 }
 
-/// Reads an array of a supported type from a `.npy` file.
-fn parse(bytes: &[u8]) -> Option<Array> {
+/// Reads the array of a NumPy file, `.npy`: 64-bit or 32-bit floats (which become 64-bit) or 32-bit whole numbers, in the
+/// order of C; `None` of anything else.
+pub fn from_npy(bytes: &[u8]) -> Option<Array> {
     let rest = bytes.strip_prefix(MAGIC.as_slice())?;
     let (length, rest) = rest.split_first_chunk::<2>()?;
     let (header, content) = rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))?;
@@ -184,6 +190,10 @@ fn parse(bytes: &[u8]) -> Option<Array> {
     let numbers = if header.contains("'<f8'") {
         let (chunks, []) = content.as_chunks::<8>() else { return None };
         ArrayNumbers::Floats(chunks.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
+    } else if header.contains("'<f4'") {
+        let (chunks, []) = content.as_chunks::<4>() else { return None };
+        let numbers = chunks.iter().map(|bytes| f64::from(f32::from_le_bytes(*bytes)));
+        ArrayNumbers::Floats(numbers.collect())
     } else if header.contains("'<i4'") {
         let (chunks, []) = content.as_chunks::<4>() else { return None };
         ArrayNumbers::Whole(chunks.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect())
@@ -228,8 +238,8 @@ mod tests {
         assert!(super::read(&bytes).is_err());
         let whole = Array::whole([1], [7]);
         let mut file = [whole.header(), vec![7, 0, 0, 0]].concat();
-        assert_eq!(parse(&file), Some(whole));
+        assert_eq!(from_npy(&file), Some(whole));
         file.pop();
-        assert_eq!(parse(&file), None);
+        assert_eq!(from_npy(&file), None);
     }
 }

@@ -30,6 +30,7 @@ pub mod study;
 pub mod tables;
 pub mod tension_map;
 pub mod track;
+pub mod traction;
 mod watched;
 
 pub use beats::BeatOptions;

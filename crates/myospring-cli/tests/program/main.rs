@@ -14,6 +14,7 @@ mod paper;
 #[path = "../../../myospring/tests/common/skipped.rs"]
 mod skipped;
 mod track;
+mod traction;
 mod tutorials;
 
 use std::fs;

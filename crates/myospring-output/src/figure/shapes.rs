@@ -92,10 +92,13 @@ impl<'a> Gallery<'a> {
     /// Labels of a shape: its name, time and tension, shortening.
     pub(super) fn notes(&self, index: usize) -> [String; 3] {
         let shape = &self.shapes[index];
-        let tension = fixed(shape.frame.ta_kpa, 1);
+        // Neither is known of every film.
+        let tension = Some(shape.frame.ta_kpa).filter(|tension| !tension.is_nan());
+        let moment = Some(shape.frame.t_ms).filter(|t_ms| !t_ms.is_nan()).map(time);
+        let tension = tension.map(|tension| format!("{} kPa", fixed(tension, 1)));
         [
             shape.name.clone(),
-            format!("{}, {tension} kPa", time(shape.frame.t_ms)),
+            moment.into_iter().chain(tension).collect::<Vec<_>>().join(", "),
             shape
                 .shortening_pct
                 .map_or_else(String::new, |s| format!("shortening {} %", fixed(s, 1))),

@@ -59,12 +59,18 @@ pub fn traction(
         let pairs = recording.samples.iter().zip(&signal.values);
         Some(pairs.map(|(sample, value)| [sample.t_ms, *value]).collect())
     };
-    let curves = [TRACTION_FORCE, AXIAL_FORCE].map(curve);
-    let [Some(total), Some(axial)] = curves else { return Err(nothing()) };
-    let [low, high] = extent([total.as_slice(), axial.as_slice()], 1);
+    let total = curve(TRACTION_FORCE).ok_or_else(nothing)?;
+    let axial = curve(AXIAL_FORCE);
+    if total.len() < 2 {
+        return Ok(sheet.finish(SINGLE, bottom + 43.0));
+    }
+    let [low, high] = extent(std::iter::once(&total).chain(&axial).map(Vec::as_slice), 1);
     let axis = Axis::values("Force on the gel (nN)", [low.min(0.0), high * 1.08], HEIGHT);
     let times = Axis::time(extent([total.as_slice()], 0));
-    let lines = vec![Curve::solid(total, TENSION), Curve::solid(axial, CURVES[0])];
+    let legend = [("all directions", TENSION), ("half the cell, along it", CURVES[0])];
+    let legend = &legend[..if axial.is_some() { 2 } else { 0 }];
+    let mut lines = vec![Curve::solid(total, TENSION)];
+    lines.extend(axial.map(|axial| Curve::solid(axial, CURVES[0])));
     let top = bottom + 62.0;
     let mut charts = [Chart {
         marks: stimulus_times_ms.to_vec(),
@@ -74,9 +80,7 @@ pub fn traction(
     let [chart] = &charts;
     chart.draw(&mut sheet, offset);
     sheet.text([6.0, top + 4.0], "B", Style::new(LETTER).bold());
-    for (row, (text, colour)) in
-        [("all directions", TENSION), ("half the cell, along it", CURVES[0])].iter().enumerate()
-    {
+    for (row, (text, colour)) in legend.iter().enumerate() {
         let y = top + 10.0 + 13.0 * row as f64;
         let right = chart.place[0] + chart.size[0];
         sheet.line([right - 122.0, y - 3.5], [right - 108.0, y - 3.5], Stroke::new(*colour, 1.5));

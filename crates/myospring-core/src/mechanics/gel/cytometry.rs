@@ -70,13 +70,14 @@ struct Wave {
     number: f64,
 }
 
-/// The tractions that move a surface as it was measured.
+/// The tractions that move a surface as it was measured, of each of a number of measurements, such as those of a film: one
+/// smoothing serves all.
 ///
 /// # Errors
 /// A layer thinner than the distance of places.
 ///
 /// # Panics
-/// If displacements or region are not one for each place.
+/// If displacements or region are not one for each place, or surfaces are of several shapes.
 ///
 /// # Example
 /// The tractions of a simulated cell, from the displacements around it:
@@ -94,43 +95,59 @@ struct Wave {
 /// let total: f64 = forces[0].iter().zip(&forces[1]).map(|(x, y)| x.hypot(*y)).sum();
 /// let surface = bed.surface(&forces, 1.0);
 /// let inside = surface.within(|[x, y]| (-1.0..41.0).contains(&x) && (-1.0..13.0).contains(&y));
-/// let found = tractions(&gel, &surface, Some(&inside))?;
-/// assert!((found.force_nn(1.0, Some(&inside)) / total - 1.0).abs() < 0.05);
+/// let found = tractions(&gel, &[surface], Some(&inside))?;
+/// assert!((found[0].force_nn(1.0, Some(&inside)) / total - 1.0).abs() < 0.05);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn tractions(
     gel: &Gel,
-    surface: &Surface,
+    surfaces: &[Surface],
     region: Option<&[bool]>,
-) -> Result<Tractions, GelError> {
-    gel.check_spacing(surface.spacing)?;
-    let places = surface.shape[0] * surface.shape[1];
-    assert!(surface.displacements.iter().all(|axis| axis.len() == places), "one for each place");
-    let waves = Waves::new(surface.shape);
-    let measured = centred(&surface.displacements);
-    let spectrum = Spectrum::of(gel, surface, &waves, &measured);
-    let smoothing = spectrum.cross_validated();
-    let square = smoothing * smoothing;
-    let [noise_um, gain] = spectrum.noise(smoothing);
-    let forces = match region {
-        Some(region) => confined(gel, surface, region, smoothing),
-        None => waves.changed(&measured, |place, [x, y]| {
-            let Wave { compliance, direction: [cosine, sine], .. } = wave_at(gel, surface, place);
-            let [along, across] = [x * cosine + y * sine, y * cosine - x * sine];
-            let damped = |part: Number, g: f64| {
-                if g > 0.0 { part * (g / (g * g + square)) } else { Number::default() }
-            };
-            let [along, across] = [damped(along, compliance[0]), damped(across, compliance[1])];
-            [along * cosine - across * sine, along * sine + across * cosine]
-        }),
+) -> Result<Vec<Tractions>, GelError> {
+    let Some(first) = surfaces.first() else { return Ok(Vec::new()) };
+    gel.check_spacing(first.spacing)?;
+    let places = first.shape[0] * first.shape[1];
+    let waves = Waves::new(first.shape);
+    let spectra: Vec<Spectrum> = surfaces
+        .iter()
+        .map(|surface| {
+            assert_eq!(surface.shape, first.shape, "surfaces of one shape");
+            let lengths = surface.displacements.each_ref().map(Vec::len);
+            assert_eq!(lengths, [places; 2], "one displacement for each place");
+            Spectrum::of(gel, surface, &waves)
+        })
+        .collect();
+    let smoothing = cross_validated(&spectra);
+    let inverse = region.map(|region| Confined::new(gel, first, region, smoothing));
+    let one = |(surface, spectrum): (&Surface, &Spectrum)| {
+        let [noise_um, gain] = spectrum.noise(smoothing);
+        let tractions = match &inverse {
+            Some(inverse) => inverse.tractions(surface),
+            None => everywhere(gel, surface, &waves, smoothing),
+        };
+        Tractions {
+            // kPa.
+            tractions_pa: tractions.map(|axis| axis.into_iter().map(|t| 1e3 * t).collect()),
+            smoothing,
+            shortest_wave_um: spectrum.shortest(smoothing),
+            noise_um,
+            noise_pa: 1e3 * noise_um * gain,
+        }
     };
-    Ok(Tractions {
-        // kPa.
-        tractions_pa: forces.map(|axis| axis.into_iter().map(|t| 1e3 * t).collect()),
-        smoothing,
-        shortest_wave_um: spectrum.shortest(smoothing),
-        noise_um,
-        noise_pa: 1e3 * noise_um * gain,
+    Ok(surfaces.iter().zip(&spectra).map(one).collect())
+}
+
+/// Tractions (kPa) of all waves, damped.
+fn everywhere(gel: &Gel, surface: &Surface, waves: &Waves, smoothing: f64) -> Vectors {
+    let square = smoothing * smoothing;
+    waves.changed(&centred(&surface.displacements), |place, [x, y]| {
+        let Wave { compliance, direction: [cosine, sine], .. } = wave_at(gel, surface, place);
+        let [along, across] = [x * cosine + y * sine, y * cosine - x * sine];
+        let damped = |part: Number, g: f64| {
+            if g > 0.0 { part * (g / (g * g + square)) } else { Number::default() }
+        };
+        let [along, across] = [damped(along, compliance[0]), damped(across, compliance[1])];
+        [along * cosine - across * sine, along * sine + across * cosine]
     })
 }
 
@@ -170,10 +187,10 @@ struct Spectrum {
 }
 
 impl Spectrum {
-    fn of(gel: &Gel, surface: &Surface, waves: &Waves, measured: &Vectors) -> Self {
+    fn of(gel: &Gel, surface: &Surface, waves: &Waves) -> Self {
         let places = (surface.shape[0] * surface.shape[1]) as f64;
         let (mut parts, mut numbers) = (Vec::new(), Vec::new());
-        waves.changed(measured, |place, [x, y]| {
+        waves.changed(&centred(&surface.displacements), |place, [x, y]| {
             let Wave { compliance, direction: [cosine, sine], number } =
                 wave_at(gel, surface, place);
             // The opposite wave is alike, unless it is this one.
@@ -201,19 +218,6 @@ impl Spectrum {
         })
     }
 
-    /// The smoothing by generalised cross-validation, um/kPa.
-    fn cross_validated(&self) -> f64 {
-        let largest = self.parts.iter().map(|[g, ..]| *g).fold(0.0, f64::max);
-        let tried = (0..TRIED)
-            .map(|step| largest * 10f64.powf(-DECADES * step as f64 / (TRIED - 1) as f64));
-        let score = |smoothing: f64| {
-            let [left, freedom] = self.left(smoothing);
-            left / (freedom * freedom)
-        };
-        let best = tried.map(|smoothing| (score(smoothing), smoothing));
-        best.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(largest, |(_, smoothing)| smoothing)
-    }
-
     /// Standard deviation of the displacements' noise, um, and what it is multiplied by in tractions, kPa/um.
     fn noise(&self, smoothing: f64) -> [f64; 2] {
         let [left, freedom] = self.left(smoothing);
@@ -232,54 +236,83 @@ impl Spectrum {
     }
 }
 
-/// Tractions (kPa) that are 0 outside a region.
-fn confined(gel: &Gel, surface: &Surface, region: &[bool], smoothing: f64) -> Vectors {
-    let [columns, _] = surface.shape;
-    let area = surface.spacing * surface.spacing;
-    let convolution =
-        Convolution::new(&Green::new(*gel, surface.spacing), surface.spacing, surface.shape);
-    let all: Vec<[u32; 2]> = (0..region.len())
-        .map(|place| [(place % columns) as u32, (place / columns) as u32])
-        .collect();
-    let limited = |mut vectors: Vectors| {
-        for axis in &mut vectors {
-            axis.iter_mut().zip(region).for_each(|(x, inside)| {
-                if !inside {
-                    *x = 0.0;
-                }
-            });
-        }
-        vectors
+/// The smoothing by generalised cross-validation of all measurements, um/kPa.
+fn cross_validated(spectra: &[Spectrum]) -> f64 {
+    let parts = spectra.iter().flat_map(|spectrum| &spectrum.parts);
+    let largest = parts.map(|[g, ..]| *g).fold(0.0, f64::max);
+    let tried =
+        (0..TRIED).map(|step| largest * 10f64.powf(-DECADES * step as f64 / (TRIED - 1) as f64));
+    let score = |smoothing: f64| {
+        let sums = spectra.iter().map(|spectrum| spectrum.left(smoothing));
+        let [left, freedom] = sums.fold([0.0; 2], |sum, next| [sum[0] + next[0], sum[1] + next[1]]);
+        left / (freedom * freedom)
     };
-    // Tractions to displacements without their mean, and back: both are symmetric.
-    let displaced = |tractions: &Vectors| {
-        let forces = tractions.each_ref().map(|axis| axis.iter().map(|t| area * t).collect());
-        centred(&convolution.displacements(&all, &forces))
-    };
-    let gathered = |moved: &Vectors| {
-        let moved = convolution.displacements(&all, moved);
-        limited(moved.map(|axis| axis.into_iter().map(|x| area * x).collect()))
-    };
-    let mut tractions = zeros(region.len());
-    let mut rest = gathered(&centred(&surface.displacements));
-    let mut direction = rest.clone();
-    let mut size = product(&rest, &rest);
-    let enough = ENOUGH * ENOUGH * size;
-    for _ in 0..ROUNDS {
-        if size <= enough {
-            break;
-        }
-        let mut image = gathered(&displaced(&direction));
-        add_scaled(&mut image, smoothing * smoothing, &direction);
-        let step = size / product(&direction, &image);
-        add_scaled(&mut tractions, step, &direction);
-        add_scaled(&mut rest, -step, &image);
-        let before = std::mem::replace(&mut size, product(&rest, &rest));
-        for (direction, rest) in direction.iter_mut().flatten().zip(rest.iter().flatten()) {
-            *direction = rest + size / before * *direction;
+    let best = tried.map(|smoothing| (score(smoothing), smoothing));
+    best.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(largest, |(_, smoothing)| smoothing)
+}
+
+/// The search for tractions that are 0 outside a region.
+struct Confined<'a> {
+    region: &'a [bool],
+    convolution: Convolution,
+    places: Vec<[u32; 2]>,
+    /// Of a place, um^2.
+    area: f64,
+    /// Square of the smoothing.
+    square: f64,
+}
+
+impl<'a> Confined<'a> {
+    fn new(gel: &Gel, surface: &Surface, region: &'a [bool], smoothing: f64) -> Self {
+        let &Surface { spacing, shape, .. } = surface;
+        assert_eq!(region.len(), shape[0] * shape[1], "a region of that surface");
+        let place = |place: usize| [(place % shape[0]) as u32, (place / shape[0]) as u32];
+        Self {
+            region,
+            convolution: Convolution::new(&Green::new(*gel, spacing), spacing, shape),
+            places: (0..region.len()).map(place).collect(),
+            area: spacing * spacing,
+            square: smoothing * smoothing,
         }
     }
-    tractions
+
+    /// Displacements (um) without their mean under tractions (kPa).
+    fn displaced(&self, tractions: &Vectors) -> Vectors {
+        let forces = tractions.each_ref().map(|axis| axis.iter().map(|t| self.area * t).collect());
+        centred(&self.convolution.displacements(&self.places, &forces))
+    }
+
+    /// The transposed of [`Confined::displaced`], of vectors without a mean: both are symmetric.
+    fn gathered(&self, moved: &Vectors) -> Vectors {
+        self.convolution.displacements(&self.places, moved).map(|axis| {
+            let places = axis.into_iter().zip(self.region);
+            places.map(|(x, inside)| if *inside { self.area * x } else { 0.0 }).collect()
+        })
+    }
+
+    /// The tractions, kPa.
+    fn tractions(&self, surface: &Surface) -> Vectors {
+        let mut tractions = zeros(self.region.len());
+        let mut rest = self.gathered(&centred(&surface.displacements));
+        let mut direction = rest.clone();
+        let mut size = product(&rest, &rest);
+        let enough = ENOUGH * ENOUGH * size;
+        for _ in 0..ROUNDS {
+            if size <= enough {
+                break;
+            }
+            let mut image = self.gathered(&self.displaced(&direction));
+            add_scaled(&mut image, self.square, &direction);
+            let step = size / product(&direction, &image);
+            add_scaled(&mut tractions, step, &direction);
+            add_scaled(&mut rest, -step, &image);
+            let before = std::mem::replace(&mut size, product(&rest, &rest));
+            for (direction, rest) in direction.iter_mut().flatten().zip(rest.iter().flatten()) {
+                *direction = rest + size / before * *direction;
+            }
+        }
+        tractions
+    }
 }
 
 #[cfg(test)]
@@ -301,6 +334,10 @@ mod tests {
         let total = forces[0].iter().zip(&forces[1]).map(|(x, y)| x.hypot(*y)).sum();
         let surface = bed.surface(&forces, 0.6);
         (mesh, surface, total)
+    }
+
+    fn one(gel: &Gel, surface: &Surface, region: Option<&[bool]>) -> Tractions {
+        tractions(gel, std::slice::from_ref(surface), region).unwrap().remove(0)
     }
 
     /// Numbers of a normal distribution, by sums of twelve.
@@ -328,8 +365,8 @@ mod tests {
         ] {
             let (_, surface, total) = pulled(gel);
             let inside = inside(&surface);
-            let open = tractions(&gel, &surface, None).unwrap().force_nn(1.0, Some(&inside));
-            let found = tractions(&gel, &surface, Some(&inside)).unwrap();
+            let open = one(&gel, &surface, None).force_nn(1.0, Some(&inside));
+            let found = one(&gel, &surface, Some(&inside));
             let confined = found.force_nn(1.0, Some(&inside));
             // A window that goes on periodically, and rims that no wave resolves.
             assert!((open / total - 1.0).abs() < 0.05, "{gel:?}: {open} of {total} nN");
@@ -351,7 +388,7 @@ mod tests {
                     let added = noise(moved.len(), part * most, seed + 100 * axis as u64);
                     moved.iter_mut().zip(added).for_each(|(x, by)| *x += by);
                 }
-                let found = tractions(&gel, &noisy, Some(&inside)).unwrap();
+                let found = one(&gel, &noisy, Some(&inside));
                 let told = found.noise_um / (part * most);
                 assert!((0.85..1.15).contains(&told), "{part}: noise {told} of what it is");
                 let force = found.force_nn(1.0, None);
@@ -367,7 +404,7 @@ mod tests {
         for (axis, moved) in surface.displacements.iter_mut().enumerate() {
             *moved = noise(moved.len(), 0.05, 7 + axis as u64);
         }
-        let found = tractions(&gel, &surface, None).unwrap();
+        let found = one(&gel, &surface, None);
         let places = surface.shape[0] * surface.shape[1];
         let ratio = found.force_nn(1.0, None) / found.noise_floor_nn(1.0, places);
         assert!((0.8..1.2).contains(&ratio), "{ratio}");
@@ -391,7 +428,7 @@ mod tests {
             shape,
             displacements: [wave(2.0 * along), wave(0.5 * across)],
         };
-        let found = tractions(&gel, &surface, None).unwrap();
+        let found = one(&gel, &surface, None);
         for (axis, size) in [(0, 2000.0), (1, 500.0)] {
             for (found, wanted) in found.tractions_pa[axis].iter().zip(wave(size)) {
                 // What the least smoothing that is tried takes away.

@@ -41,8 +41,8 @@ pub enum Adhesion {
 pub enum GelError {
     /// A layer thinner than the spacing of the nodes.
     #[error(
-        "the gel thickness is {thickness} um, less than the spacing of the mesh, {spacing} um; give a finer spacing, or take \
-         support = \"elastic-bed\" with bed_stiffness = G/h, the shear modulus over the thickness"
+        "the gel thickness is {thickness} um, less than the spacing of its places, {spacing} um; give a finer spacing, or let \
+         a run have support = \"elastic-bed\" with bed_stiffness = G/h, the shear modulus over the thickness"
     )]
     ThinLayer {
         /// Its thickness, um.

@@ -1,0 +1,109 @@
+//! `myospring traction`: from the displacements of a gel to the force on it.
+
+use super::{myospring, stderr, stdout};
+use myospring::output::npz::{Array, from_npy, to_npy};
+use std::fs;
+use std::path::Path;
+
+fn array(path: &Path) -> Array {
+    from_npy(&fs::read(path).unwrap()).unwrap()
+}
+
+/// The number after a key in JSON.
+fn number(text: &str, key: &str) -> f64 {
+    let (_, rest) = text.split_once(&format!("\"{key}\": ")).unwrap();
+    rest.split([',', '\n', '}']).next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn the_force_of_a_simulated_cell_comes_back_from_the_displacements_around_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let gel = ["--support", "gel", "--gel-modulus", "5 kPa", "--gel-thickness", "30 um"];
+    let run = ["run", "--spacing", "2 um", "--outputs", "gel", "--output", "cell"];
+    let made = myospring(at, &[&run[..], &gel].concat());
+    assert!(made.status.success(), "{}", stderr(&made));
+    let about = fs::read_to_string(at.join("cell/gel/gel.json")).unwrap();
+    assert_eq!(number(&about, "pixel_size_um"), 2.0);
+    // The cell is where the gel is displaced most: a region a little larger than it, as one would draw it.
+    let u = array(&at.join("cell/gel/u.npy"));
+    let [rows, columns] = [u.shape()[0], u.shape()[1]];
+    let table = fs::read_to_string(at.join("cell/gel/tractions.csv")).unwrap();
+    let first: Vec<f64> = {
+        let (_, rest) = about.split_once("\"first_pixel_um\": [").unwrap();
+        rest.split(']').next().unwrap().split(',').map(|x| x.trim().parse().unwrap()).collect()
+    };
+    let mut region = vec![0_u8; rows * columns];
+    for line in table.lines().skip(1) {
+        let place: Vec<f64> = line.split(',').take(2).map(|x| x.parse().unwrap()).collect();
+        let [column, row] =
+            [0, 1].map(|axis: usize| ((place[axis] - first[axis]) / 2.0).round() as usize);
+        for (up, along) in (0..3).flat_map(|up| (0..3).map(move |along| (up, along))) {
+            region[(rows - 1 - (row + up - 1)) * columns + column + along - 1] = 255;
+        }
+    }
+    let file = fs::File::create(at.join("region.png")).unwrap();
+    let mut encoder = png::Encoder::new(file, columns as u32, rows as u32).write_header().unwrap();
+    encoder.write_image_data(&region).unwrap();
+    drop(encoder);
+    let arrays = ["cell/gel/u.npy", "cell/gel/v.npy"];
+    let options = ["--pixel-size", "2 um", "--gel-modulus", "5 kPa", "--gel-thickness", "30 um"];
+    let found =
+        [&["traction"][..], &arrays, &options, &["--region", "region.png", "--output", "found"]];
+    let found = myospring(at, &found.concat());
+    assert!(found.status.success() && stderr(&found).is_empty(), "{}", stderr(&found));
+    assert!(stdout(&found).contains("contractile moment"), "{}", stdout(&found));
+    let summary = fs::read_to_string(at.join("cell/summary.json")).unwrap();
+    let value = |name: &str| {
+        let (_, rest) = summary.split_once(&format!("\"{name}\"")).unwrap();
+        number(rest, "value")
+    };
+    let numbers = fs::read_to_string(at.join("found/summary.json")).unwrap();
+    for (found, made, within) in [
+        ("traction_force_nN", "peak_traction_force", 0.03),
+        ("contractile_moment_fJ", "peak_contractile_moment", 0.05),
+        ("gel_energy_fJ", "peak_gel_energy", 0.05),
+    ] {
+        let ratio = number(&numbers, found) / value(made);
+        assert!((ratio - 1.0).abs() < within, "{found}: {ratio}");
+    }
+    for file in ["traction.csv", "tractions.npz", "figures/traction.png", "myospring.sha256"] {
+        assert!(at.join("found").join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
+fn arrays_that_do_not_fit_are_refused_with_the_place_and_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let save = |name: &str, shape: &[usize], broken: bool| {
+        let count = shape.iter().product::<usize>();
+        let numbers =
+            (0..count).map(|k| if broken && k == 25 { f64::NAN } else { 0.01 * k as f64 });
+        fs::write(at.join(name), to_npy(&Array::floats(shape, numbers))).unwrap();
+    };
+    save("u.npy", &[10, 12], false);
+    save("film.npy", &[3, 10, 12], false);
+    save("broken.npy", &[10, 12], true);
+    save("small.npy", &[4, 4], false);
+    fs::write(at.join("text.npy"), "no array").unwrap();
+    let size = ["--pixel-size", "2 um"];
+    for (u, v, gel, said) in [
+        ("u.npy", "film.npy", "10 kPa", "[3, 10, 12]"),
+        ("u.npy", "broken.npy", "10 kPa", "row 2, column 1 of frame 0"),
+        ("small.npy", "small.npy", "10 kPa", "at least 8"),
+        ("text.npy", "u.npy", "10 kPa", "`text.npy` is no NumPy array"),
+        ("none.npy", "u.npy", "10 kPa", "cannot read `none.npy`"),
+        ("u.npy", "u.npy", "0 kPa", "must be above 0 kPa"),
+        ("u.npy", "u.npy", "10 um", "--gel-modulus"),
+    ] {
+        let refused = [&["traction", u, v, "--gel-modulus", gel][..], &size].concat();
+        let refused = myospring(at, &refused);
+        assert_eq!(refused.status.code(), Some(2), "{u} {v} {gel}");
+        assert!(stderr(&refused).contains(said), "{u} {v} {gel}: {}", stderr(&refused));
+    }
+    let solid = ["traction", "u.npy", "u.npy", "--gel-modulus", "1 kPa", "--gel-poisson", "0.5"];
+    let solid = myospring(at, &[&solid[..], &size].concat());
+    assert!(stderr(&solid).contains("below 0.5"), "{}", stderr(&solid));
+    assert!(!at.join("results").exists());
+}
