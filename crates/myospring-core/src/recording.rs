@@ -80,7 +80,7 @@ pub const TRACTION_FORCE: &str = "traction_force";
 /// along it.
 pub const AXIAL_FORCE: &str = "axial_traction_force";
 
-/// Name of the signal of the contractile moment, fJ: minus the sum of force times place (`butler_2002`), above 0 where the
+/// Name of the signal of the contractile moment, fJ: minus the sum of force times place at rest (`butler_2002`), above 0 where the
 /// cell pulls inward.
 pub const CONTRACTILE_MOMENT: &str = "contractile_moment";
 

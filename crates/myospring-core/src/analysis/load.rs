@@ -152,7 +152,7 @@ pub fn on_gel<'a>(
             "peak_contractile_moment",
             CONTRACTILE_MOMENT,
             "fJ",
-            "largest contractile moment: minus the sum of force times place",
+            "largest contractile moment: minus the sum of force times place at rest",
         ),
         largest("peak_gel_energy", GEL_ENERGY, "fJ", "largest elastic energy of the gel"),
     ]

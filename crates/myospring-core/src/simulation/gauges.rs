@@ -33,7 +33,7 @@ impl Gauges {
             (
                 CONTRACTILE_MOMENT,
                 "fJ",
-                "sum of traction times place, above 0 where the cell pulls inward",
+                "minus the sum of traction times place at rest, above 0 where the cell pulls inward",
             ),
             (GEL_ENERGY, "fJ", "elastic energy of the gel"),
         ];
@@ -51,14 +51,16 @@ impl Gauges {
         let mut values = Vec::new();
         values.extend(self.end.as_ref().map(|nodes| self.end_force(nodes, system, at)));
         if let (Some(gel), Some(pulls)) = (system.compliance(), pulls) {
+            let moved = gel.displacements(at.positions);
             let (mut total, mut axial, mut moment) = (0.0, 0.0, 0.0);
             for (place, &node) in gel.nodes().iter().enumerate() {
                 let pull = [0, 1].map(|axis: usize| pulls[axis][place]);
+                let rest = [0, 1].map(|axis: usize| at.positions[axis][node] - moved[axis][place]);
                 total += pull[0].hypot(pull[1]);
                 axial += 0.5 * (pull[0] * self.axis[0] + pull[1] * self.axis[1]).abs();
-                moment -= pull[0] * at.positions[0][node] + pull[1] * at.positions[1][node];
+                moment -= pull[0] * rest[0] + pull[1] * rest[1];
             }
-            let energy = 0.5 * product(pulls, &gel.displacements(at.positions));
+            let energy = 0.5 * product(pulls, &moved);
             values.extend([total, axial, moment, energy]);
         }
         values
