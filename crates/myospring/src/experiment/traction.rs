@@ -425,7 +425,7 @@ impl Outcome for FoundTractions {
         if !self.is_confined {
             warnings.push(
                 "force, moment and energy are sums over the whole window, where tractions at its edges count that the window \
-                 makes by ending there; with --region they are those of the cell"
+                 makes by ending there; with a region they are those of the cell"
                     .to_owned(),
             );
         }
