@@ -86,6 +86,7 @@ fn arrays_that_do_not_fit_are_refused_with_the_place_and_nothing_is_written() {
     save("film.npy", &[3, 10, 12], false);
     save("broken.npy", &[10, 12], true);
     save("small.npy", &[4, 4], false);
+    fs::write(at.join("still.npy"), to_npy(&Array::floats([10, 12], [0.5; 120]))).unwrap();
     fs::write(at.join("text.npy"), "no array").unwrap();
     let size = ["--pixel-size", "2 um"];
     for (u, v, gel, said) in [
@@ -93,6 +94,7 @@ fn arrays_that_do_not_fit_are_refused_with_the_place_and_nothing_is_written() {
         ("u.npy", "broken.npy", "10 kPa", "row 2, column 1 of frame 0"),
         ("small.npy", "small.npy", "10 kPa", "at least 8"),
         ("text.npy", "u.npy", "10 kPa", "`text.npy` is no NumPy array"),
+        ("still.npy", "still.npy", "10 kPa", "nothing moves"),
         ("none.npy", "u.npy", "10 kPa", "cannot read `none.npy`"),
         ("u.npy", "u.npy", "0 kPa", "must be above 0 kPa"),
         ("u.npy", "u.npy", "10 um", "--gel-modulus"),

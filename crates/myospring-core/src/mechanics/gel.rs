@@ -13,6 +13,7 @@
 //! a convolution (`convolution`): memory and time of a product go as the number of nodes. The forces are found by conjugate
 //! gradients, preconditioned by springs that are like the gel ([`Compliance::likeness`]).
 
+mod conjugate;
 mod convolution;
 pub mod cytometry;
 mod description;
@@ -27,7 +28,7 @@ pub use surface::Surface;
 use super::compliance::Compliance;
 use super::force::{Configuration, Force};
 use super::stiffness::StiffnessMatrix;
-use super::vectors::{Vectors, add_scaled, product, zeros};
+use super::vectors::{Vectors, product, zeros};
 use crate::mesh::ends::end_zones;
 use crate::mesh::{Lattice, Mesh, SpringKind};
 use convolution::Convolution;
@@ -210,28 +211,13 @@ impl Compliance for GelBed {
         {
             return tractions.clone();
         }
-        let mut tractions = zeros(self.nodes.len());
-        let mut rest = displacements.clone();
-        let enough = SOLVED * product(displacements, displacements).sqrt();
-        let mut improved = self.likeness(&rest);
-        let mut direction = improved.clone();
-        let mut drop = product(&rest, &improved);
-        for _ in 0..ROUNDS {
-            if product(&rest, &rest).sqrt() <= enough {
-                break;
-            }
-            let moved = self.displaced(&direction);
-            let step = drop / product(&direction, &moved);
-            add_scaled(&mut tractions, step, &direction);
-            add_scaled(&mut rest, -step, &moved);
-            improved = self.likeness(&rest);
-            let before = std::mem::replace(&mut drop, product(&rest, &improved));
-            for (direction, improved) in direction.iter_mut().zip(&improved) {
-                for (direction, improved) in direction.iter_mut().zip(improved) {
-                    *direction = improved + drop / before * *direction;
-                }
-            }
-        }
+        let tractions = conjugate::solve(
+            displacements,
+            |forces| self.displaced(forces),
+            |moved| self.likeness(moved),
+            SOLVED,
+            ROUNDS,
+        );
         *last = Some((displacements.clone(), tractions.clone()));
         tractions
     }

@@ -38,9 +38,10 @@ use crate::output::npz::{self, Array};
 use crate::output::table::{Column, Table};
 use crate::recording::{Frame, Recording, Sample, Signal, TRACTION_FORCE};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A window has at least so many rows and columns.
+/// Smallest number of rows and of columns of a window.
 const LEAST: usize = 8;
 /// Columns or rows of a map, at most.
 const DRAWN: usize = 128;
@@ -111,7 +112,7 @@ struct Numbers<'a> {
     shortest_wave_um: f64,
     displacement_noise_um: f64,
     smoothing_um_per_kpa: f64,
-    definitions: [(&'static str, &'static str); 4],
+    definitions: BTreeMap<&'static str, &'static str>,
     warnings: Vec<String>,
 }
 
@@ -232,10 +233,12 @@ impl Traction {
 fn array(files: &Files, path: &Path) -> Result<Array, ExperimentError> {
     let bytes = files.bytes(path).map_err(|error| ExperimentError::unread(path, &error))?;
     let name = path.display();
-    let advice = "save displacements by numpy.save, as floats of rows and columns, or frames, rows and columns";
+    let advice = "save displacements as floats of rows and columns, or frames, rows and columns: numpy.save(\"u.npy\", \\
+         numpy.ascontiguousarray(u, float))";
     let array = npz::from_npy(&bytes).filter(|array| array.as_floats().is_some());
     let array = array.ok_or_else(|| {
-        ExperimentError::new(format!("`{name}` is no NumPy array of floats")).advise(advice)
+        ExperimentError::new(format!("`{name}` is no NumPy array of floats in the order of C"))
+            .advise(advice)
     })?;
     let shape = array.shape();
     if !matches!(shape.len(), 2 | 3) || shape[shape.len() - 2..].iter().any(|count| *count < LEAST)
@@ -279,6 +282,16 @@ impl Experiment for Traction {
     ) -> Result<FoundTractions, ExperimentError> {
         self.check()?;
         let surfaces = self.surfaces(files)?;
+        let moves = |axis: &Vec<f64>| axis.iter().any(|moved| *moved != axis[0]);
+        if !surfaces.iter().flat_map(|surface| &surface.displacements).any(moves)
+            && !surfaces.is_empty()
+        {
+            let [u, v] = self.displacements.each_ref().map(|path| path.display());
+            let message =
+                format!("nothing moves: all displacements in `{u}` are the same, and all in `{v}`");
+            return Err(ExperimentError::new(message)
+                .advise("check that the two arrays are those of the pulled gel"));
+        }
         let Some(first) = surfaces.first() else {
             let name = self.displacements[0].display();
             return Err(ExperimentError::new(format!("`{name}` has no frames")));
@@ -413,7 +426,7 @@ impl Outcome for FoundTractions {
             shortest_wave_um: found.shortest_wave_um,
             displacement_noise_um: found.noise_um,
             smoothing_um_per_kpa: found.smoothing,
-            definitions: DEFINITIONS,
+            definitions: DEFINITIONS.into(),
             warnings: self.warnings(),
         }
     }
@@ -424,8 +437,8 @@ impl Outcome for FoundTractions {
         let mut warnings = Vec::new();
         if !self.is_confined {
             warnings.push(
-                "force, moment and energy are sums over the whole window, where tractions at its edges count that the window \
-                 makes by ending there; with a region they are those of the cell"
+                "force, moment and energy are sums over the whole window and include false tractions at its edges; give a \
+                 region, a picture of the cell, to have those of the cell alone"
                     .to_owned(),
             );
         }

@@ -94,7 +94,7 @@ pub(super) struct Convolution {
 }
 
 impl Convolution {
-    /// For a lattice of so many columns and rows.
+    /// The convolution on a lattice; `shape` has its columns and rows.
     pub(super) fn new(green: &Green, spacing: f64, shape: [usize; 2]) -> Self {
         let transforms = Transforms::new(shape.map(|count| smooth(2 * count - 1)));
         let [width, height] = transforms.size;
@@ -151,7 +151,7 @@ impl Convolution {
 pub(super) struct Waves(Transforms);
 
 impl Waves {
-    /// Of a window of so many columns and rows.
+    /// The waves of a window; `shape` has its columns and rows.
     pub(super) fn new(shape: [usize; 2]) -> Self {
         Self(Transforms::new(shape))
     }

@@ -8,18 +8,19 @@
 //! ```
 //!
 //! `lambda` is chosen by generalised cross-validation (`golub_1979`): it makes the sum of `(1 - f)^2 |u|^2` over the square of
-//! the sum of `1 - f` least, with `f = g^2/(g^2 + lambda^2)`. What is left of the displacements then tells their noise, and
-//! that of the tractions follows.
+//! the sum of `1 - f` least, with `f = g^2/(g^2 + lambda^2)`. The displacements that the damped
+//! tractions do not explain estimate the noise of the displacements; the noise of the tractions follows from it.
 //!
 //! With a region, tractions are 0 outside of it: they are those whose displacements, in an endless plane, are nearest to the
 //! measured ones up to a shift, with the same `lambda`, by conjugate gradients on the normal equations.
 
+use super::conjugate;
 use super::convolution::{Convolution, Number, Waves};
 use super::description::{Gel, GelError};
 use super::green::Green;
 use super::surface::Surface;
 use super::wave;
-use crate::mechanics::vectors::{Vectors, add_scaled, product, zeros};
+use crate::mechanics::vectors::{Vectors, add_scaled};
 use std::f64::consts::{PI, TAU};
 
 /// How many values of `lambda` are tried, and the decades that they cover below the largest `g`.
@@ -53,7 +54,7 @@ impl Tractions {
         1e-3 * spacing * spacing * sizes.map(|(_, (x, y))| x.hypot(*y)).sum::<f64>()
     }
 
-    /// The force that noise alone would make in so many places, nN.
+    /// Force that noise alone makes in this number of places, nN.
     pub fn noise_floor_nn(&self, spacing: f64, places: usize) -> f64 {
         // The mean length of a vector of two normal numbers.
         1e-3 * spacing * spacing * places as f64 * self.noise_pa * (0.5 * PI).sqrt()
@@ -292,26 +293,13 @@ impl<'a> Confined<'a> {
 
     /// The tractions, kPa.
     fn tractions(&self, surface: &Surface) -> Vectors {
-        let mut tractions = zeros(self.region.len());
-        let mut rest = self.gathered(&centred(&surface.displacements));
-        let mut direction = rest.clone();
-        let mut size = product(&rest, &rest);
-        let enough = ENOUGH * ENOUGH * size;
-        for _ in 0..ROUNDS {
-            if size <= enough {
-                break;
-            }
-            let mut image = self.gathered(&self.displaced(&direction));
-            add_scaled(&mut image, self.square, &direction);
-            let step = size / product(&direction, &image);
-            add_scaled(&mut tractions, step, &direction);
-            add_scaled(&mut rest, -step, &image);
-            let before = std::mem::replace(&mut size, product(&rest, &rest));
-            for (direction, rest) in direction.iter_mut().flatten().zip(rest.iter().flatten()) {
-                *direction = rest + size / before * *direction;
-            }
-        }
-        tractions
+        let right = self.gathered(&centred(&surface.displacements));
+        let times = |tractions: &Vectors| {
+            let mut image = self.gathered(&self.displaced(tractions));
+            add_scaled(&mut image, self.square, tractions);
+            image
+        };
+        conjugate::solve(&right, times, Vectors::clone, ENOUGH, ROUNDS)
     }
 }
 

@@ -1,5 +1,6 @@
 use super::*;
 use crate::mechanics::Body;
+use crate::mechanics::vectors::add_scaled;
 use crate::mesh::lattice;
 use crate::mesh::outline::Outline;
 use std::f64::consts::TAU;
