@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::files::FILES;
 use crate::terminal::Terminal;
 use crate::{input, interrupt, print};
-use myospring::experiment::fit::{EndSprings, FitCell, RecordedCalcium};
+use myospring::experiment::fit::{EndSprings, FitCell, RecordedCalcium, TractionCurve};
 use myospring::experiment::{Folder, Outcome as _};
 use myospring::fit::FitOptions;
 use myospring::output::json;
@@ -74,6 +74,12 @@ fn asked(args: &FitArgs) -> Result<FitCell, Failure> {
         table: table::options(&args.table, pixel, until)?,
         beats: table::beats(&args.stimuli, None, false)?,
         loaded: args.loaded.iter().map(|text| spring(text)).collect::<Result<_, _>>()?,
+        traction: args.traction.iter().map(|text| traction(text)).collect::<Result<_, _>>()?,
+        traction_error: args
+            .traction_error
+            .as_deref()
+            .map(|text| Ok::<_, Failure>(percent("--traction-error", text)? / 100.0))
+            .transpose()?,
         calcium: RecordedCalcium {
             path: args.recorded_calcium.clone(),
             rest_um: concentration("--calcium-rest", args.calcium_rest.as_deref())?,
@@ -117,6 +123,14 @@ fn spring(text: &str) -> Result<EndSprings, Failure> {
     })?;
     let stiffness = quantity("--loaded", stiffness.trim(), Dimension::Stiffness)?;
     Ok(EndSprings { stiffness, path: PathBuf::from(path.trim()) })
+}
+
+/// `10 kPa=force.csv`, or `force.csv`
+fn traction(text: &str) -> Result<TractionCurve, Failure> {
+    let (modulus, path) = text.split_once('=').map_or((None, text), |(a, b)| (Some(a), b));
+    let modulus =
+        modulus.map(|modulus| quantity("--traction", modulus.trim(), Dimension::Pressure));
+    Ok(TractionCurve { gel_modulus: modulus.transpose()?, path: PathBuf::from(path.trim()) })
 }
 
 /// `c_0=0.01:0.05`

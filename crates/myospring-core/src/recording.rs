@@ -76,8 +76,8 @@ pub const END_FORCE: &str = "end_force";
 /// Name of the signal of the sum of the absolute forces of the cell's nodes on the gel to which it adheres, nN.
 pub const TRACTION_FORCE: &str = "traction_force";
 
-/// Name of the signal of the force of half the cell on the gel along its long axis, nN: half the sum of the absolute forces
-/// along it.
+/// Name of the signal of the force along the long axis with which the halves of the cell draw the gel together, nN: half the sum of the
+/// forces along it, each counted towards the middle of the cell.
 pub const AXIAL_FORCE: &str = "axial_traction_force";
 
 /// Name of the signal of the contractile moment, fJ: minus the sum of force times place at rest (`butler_2002`), above 0 where the

@@ -11,7 +11,7 @@ use myospring::experiment::fit::{
     seeks_tension,
 };
 use myospring::experiment::{BeatOptions, ExperimentError, Files};
-use myospring::fit::{Fit, FitOptions};
+use myospring::fit::{Fit, FitOptions, Loaded};
 use myospring::measured::{self, Column, Curve, Kind, ReadError, Table, TableOptions};
 use myospring::output::files;
 use myospring::output::json;
@@ -165,7 +165,8 @@ fn given(py: Python<'_>, curve: Curve) -> Given<'_> {
 
 #[pymethods]
 impl Fitter {
-    /// Of a cell; `given` are settings by key, `loaded` curves of it between springs of known stiffness (nN/um).
+    /// Of a cell; `given` are settings by key, `loaded` curves of it between springs of known stiffness (nN/um), `traction` tables of its
+    /// force on gels of these moduli (kPa; `None`: its own), with the error of their scale.
     #[new]
     #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
     fn new(
@@ -174,6 +175,7 @@ impl Fitter {
         given: &Bound<'_, PyDict>,
         asked: Asked,
         loaded: Vec<(f64, Measured)>,
+        traction: (Vec<(Option<f64>, Vec<Measured>)>, f64),
         calcium: Option<Recorded>,
     ) -> PyResult<Self> {
         const MODEL: &str = "cell.model";
@@ -202,14 +204,24 @@ impl Fitter {
         let between = |(stiffness, curve): (f64, Measured)| {
             between_springs(stiffness, &self::curve(curve)?, &beats).map_err(failed)
         };
-        let loaded = loaded.into_iter().map(between).collect::<PyResult<_>>()?;
+        let mut loaded = loaded.into_iter().map(between).collect::<PyResult<Vec<Loaded>>>()?;
         let (mut driving, mut notes) = (None, Vec::new());
+        let (forces, error) = traction;
+        let scale_error = scale_error(Some(error)).map_err(failed)?;
+        for (modulus, curves) in forces {
+            let curves = curves.into_iter().map(self::curve).collect::<PyResult<Vec<_>>>()?;
+            let (found, note) = on_gel(&curves, (run.support, modulus), &beats).map_err(failed)?;
+            loaded.push(Loaded { scale_error, ..found });
+            notes.push(note);
+        }
         if let Some((path, recorded, curve, [rest_um, peak_um])) = calcium {
             let of = RecordedCalcium { path, rest_um, peak_um };
             let own = recorded.into_iter().map(self::curve).collect::<PyResult<Vec<_>>>()?;
             let curve = self::curve(curve)?;
             let curves = [(curve.name.clone(), Ok(curve))];
-            (driving, notes) = of.among(&own, &curves, &beats).map_err(failed)?;
+            let (found, more) = of.among(&own, &curves, &beats).map_err(failed)?;
+            driving = found;
+            notes.extend(more);
         }
         let notes = notes.iter().map(|note| words::in_python(note)).collect();
         let own = (beats.clone(), loaded, driving);

@@ -29,6 +29,8 @@ const OF_TABLES: [(&str, &str, &[&str]); 34] = [
     ("--fix", "fix", &[]),
     ("--bounds", "bounds", &[]),
     ("--loaded", "loaded", &[]),
+    ("--traction-error", "traction_error", &[]),
+    ("--traction", "traction", &[]),
     ("--peak-shortening", "peak_shortening_pct", &[]),
     ("--recorded-calcium", "recorded_calcium", &[]),
     ("--calcium-rest", "calcium_rest_um", &[]),

@@ -41,6 +41,7 @@ mod contraction;
 mod error;
 mod fitter;
 mod forecast;
+mod inverse;
 mod least_squares;
 mod likelihood;
 mod misfit;

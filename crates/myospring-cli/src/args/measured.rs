@@ -145,7 +145,9 @@ pub(crate) struct TableArgs {
     myospring fit --to cell.csv --model given_tension               the tension that the curve needs\n  \
     myospring fit --to length.csv --recorded-calcium ca.csv --model land_2017   calcium of the same beats drives it\n  \
     myospring fit film.avi --pixel-size \"0.18 um\" --frame-rate 30   the cell of a film, to its motion\n  \
-    myospring fit --to free.csv --loaded \"100 nN/um=fibres.csv\"     both stiffness and tension\n\n\
+    myospring fit --to free.csv --loaded \"100 nN/um=fibres.csv\"     both stiffness and tension\n  \
+    myospring fit --to free.csv --traction \"10 kPa=force.csv\"       the same, by a force on a gel\n  \
+    myospring fit --to length.csv --support gel --gel-modulus \"10 kPa\" --traction force.csv   both on one gel\n\n\
     Without --model, every model whose fit takes seconds is tried. The one with the lowest BIC is taken among those that \
     follow the curve; if there is none, the tension that the curve needs (given_tension). models.csv has what each leaves.\n\n\
     A curve of a free cell determines the ratio of tension to stiffness, not both; verdicts say what else it does not \
@@ -170,6 +172,15 @@ pub(crate) struct FitArgs {
     /// ("100 nN/um=fibres.csv"); may be given several times
     #[arg(long, value_name = "STIFFNESS=TRACE", help_heading = FIT)]
     pub(crate) loaded: Vec<String>,
+    /// A force of the same cell on a gel, as `myospring traction` and others measure it (nN; `traction.csv` as it is): gives tension and
+    /// stiffness in kPa. The gel is that of --support gel, or of the modulus before the file ("10 kPa=force.csv"); may be given
+    /// several times, for several gels
+    #[arg(long, value_name = "[MODULUS=]TRACE", help_heading = FIT)]
+    pub(crate) traction: Vec<String>,
+    /// Error of the scale of these forces ("10 %"), one standard deviation, apart from noise; that of the gel's modulus does not count,
+    /// since it scales every answer in kPa alike [default: 5 %]
+    #[arg(long, value_name = "PERCENT", help_heading = FIT, requires = "traction")]
+    pub(crate) traction_error: Option<String>,
     /// How far the cell shortens at the peak of its beat ("10 %"), for a curve in arbitrary units (MUSCLEMOTION, pillars),
     /// which does not say so; tensions depend on it [default: models are fitted to its timing alone, its own tension to 10 %]
     #[arg(long, value_name = "PERCENT", help_heading = FIT)]
@@ -185,7 +196,7 @@ pub(crate) struct FitArgs {
     #[arg(long, value_name = "CONCENTRATION", help_heading = FIT, requires = "calcium_rest")]
     pub(crate) calcium_peak: Option<String>,
     /// Numbers to fit in addition to delays and the length at rest: `tension_over_stiffness`,
-    /// `young_modulus` (with --loaded), or parameters of the cell model [default: those that a
+    /// `young_modulus` (with --loaded or --traction), or parameters of the cell model [default: those that a
     /// curve determines: `tension_over_stiffness` with `c_0` or `k_ws`]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', help_heading = FIT)]
     pub(crate) free: Vec<String>,

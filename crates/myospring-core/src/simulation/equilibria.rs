@@ -42,6 +42,11 @@ pub trait TensionResponse: Sync {
     fn stretch(&self, shortening: f64) -> f64 {
         1.0 - shortening
     }
+    /// A force, moment or energy of the support by its name, such as [`AXIAL_FORCE`](crate::recording::AXIAL_FORCE), in nN or fJ, and its
+    /// derivative by the tension; `None` if the support has none of this name.
+    fn load(&self, _name: &str, _tension: f64) -> Option<[f64; 2]> {
+        None
+    }
 }
 
 /// The equilibria of one mesh for every tension of a range.
@@ -291,6 +296,11 @@ impl TensionResponse for Equilibria {
         let Assembly { held_length, .. } = *self.held.assembly;
         self.held.assembly.stretch(held_length * (1.0 - shortening))
     }
+
+    fn load(&self, name: &str, tension: f64) -> Option<[f64; 2]> {
+        let place = self.held.assembly.gauges.place(name)?;
+        Some(self.branch(tension).curve.with_slope(LOADS + place, tension))
+    }
 }
 
 impl Equilibria {
@@ -379,7 +389,9 @@ impl Equilibria {
 /// Length, width, area, elastic energy, work of the active forces since tension 0, their energy at 1 kPa, and what the gauges
 /// tell.
 pub(super) type Quantities = [f64; QUANTITIES];
-const QUANTITIES: usize = 6 + GAUGES;
+const QUANTITIES: usize = LOADS + GAUGES;
+/// Where those of the gauges begin.
+const LOADS: usize = 6;
 const WORK: usize = 4;
 pub(super) const PER_TENSION: usize = 5;
 
@@ -450,7 +462,7 @@ impl Curve {
                 _ => 0.0,
             };
             let mut quantities = [0.0; QUANTITIES];
-            quantities[..6].copy_from_slice(&[
+            quantities[..LOADS].copy_from_slice(&[
                 extent.length,
                 extent.width,
                 projected_area(mesh, &positions),
@@ -459,7 +471,7 @@ impl Curve {
                 energy(&positions, 1.0),
             ]);
             for (quantity, told) in
-                quantities[6..].iter_mut().zip(gauges.read(system, &at, pulling.as_ref()))
+                quantities[LOADS..].iter_mut().zip(gauges.read(system, &at, pulling.as_ref()))
             {
                 *quantity = told;
             }
@@ -500,9 +512,15 @@ impl Curve {
 
     /// Length and its derivative by the tension; past either end, on the straight line.
     fn length(&self, tension: f64) -> [f64; 2] {
+        self.with_slope(0, tension)
+    }
+
+    /// A quantity and its derivative by the tension; past either end, on the straight line.
+    fn with_slope(&self, quantity: usize, tension: f64) -> [f64; 2] {
         let ends = [self.tensions[0], self.tensions[self.tensions.len() - 1]];
         let within = tension.clamp(ends[0], ends[1]);
-        let ([[a, b, c, d], ..], by) = self.piece(within);
+        let (piece, by) = self.piece(within);
+        let [a, b, c, d] = piece[quantity];
         let slope = b + by * (2.0 * c + by * 3.0 * d);
         [a + by * (b + by * (c + by * d)) + (tension - within) * slope, slope]
     }

@@ -29,7 +29,11 @@ impl Gauges {
         let end = (END_FORCE, "nN", "force with which the cell draws its ends inward");
         let gel = [
             (TRACTION_FORCE, "nN", "sum of the absolute tractions of the cell on the gel"),
-            (AXIAL_FORCE, "nN", "force of half the cell on the gel along the long axis"),
+            (
+                AXIAL_FORCE,
+                "nN",
+                "force along the long axis with which the halves of the cell draw the gel together",
+            ),
             (
                 CONTRACTILE_MOMENT,
                 "fJ",
@@ -39,6 +43,13 @@ impl Gauges {
         ];
         let ends = self.end.iter().map(|_| end);
         ends.chain(gel.into_iter().filter(|_| self.adheres)).map(output).collect()
+    }
+
+    /// The place of a gauge among them.
+    pub(super) fn place(&self, name: &str) -> Option<usize> {
+        let end = self.end.iter().map(|_| END_FORCE);
+        let gel = [TRACTION_FORCE, AXIAL_FORCE, CONTRACTILE_MOMENT, GEL_ENERGY];
+        end.chain(gel.into_iter().filter(|_| self.adheres)).position(|known| known == name)
     }
 
     /// Their values; `pulls` are the forces of the cell on what it adheres to, nN.
@@ -52,12 +63,20 @@ impl Gauges {
         values.extend(self.end.as_ref().map(|nodes| self.end_force(nodes, system, at)));
         if let (Some(gel), Some(pulls)) = (system.compliance(), pulls) {
             let moved = gel.displacements(at.positions);
+            let along = |[x, y]: [f64; 2]| x * self.axis[0] + y * self.axis[1];
+            let rest = |place: usize, node: usize| {
+                [0, 1].map(|axis: usize| at.positions[axis][node] - moved[axis][place])
+            };
+            let places = || gel.nodes().iter().copied().enumerate();
+            let middle = places().map(|(place, node)| along(rest(place, node))).sum::<f64>()
+                / gel.nodes().len() as f64;
             let (mut total, mut axial, mut moment) = (0.0, 0.0, 0.0);
-            for (place, &node) in gel.nodes().iter().enumerate() {
+            for (place, node) in places() {
                 let pull = [0, 1].map(|axis: usize| pulls[axis][place]);
-                let rest = [0, 1].map(|axis: usize| at.positions[axis][node] - moved[axis][place]);
+                let rest = rest(place, node);
                 total += pull[0].hypot(pull[1]);
-                axial += 0.5 * (pull[0] * self.axis[0] + pull[1] * self.axis[1]).abs();
+                // Linear in the tractions, so that noise of measured ones does not raise it.
+                axial -= 0.5 * along(pull) * (along(rest) - middle).signum();
                 moment -= pull[0] * rest[0] + pull[1] * rest[1];
             }
             let energy = 0.5 * product(pulls, &moved);

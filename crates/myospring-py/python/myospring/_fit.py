@@ -384,6 +384,8 @@ def fit(
     fix: Sequence[str] | Mapping[str, float | str] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     loaded: Mapping[float, Curve] | None = None,
+    traction: Curve | Mapping[float, Curve] | None = None,
+    traction_error: float = 0.05,
     recorded_calcium: Curve | None = None,
     calcium_rest_um: float | None = None,
     calcium_peak_um: float | None = None,
@@ -429,6 +431,13 @@ def fit(
         Lowest and highest value of a parameter in its unit; by default a factor of 4 in both directions.
     loaded : mapping or None
         Curves of the same cell between two springs, such as carbon fibres, by the stiffness of each spring, nN/um.
+    traction : path, times and values, mapping, or None
+        Force of the same cell on a gel, which gives tension and stiffness in kPa: a table (``traction.csv``), or times in ms and
+        the sum of the absolute forces in nN. It was measured on the gel of the settings (``support="gel"``); a mapping gives
+        curves by Young's modulus of their gel, kPa.
+    traction_error : float
+        Relative standard deviation of the scale of these forces, apart from noise. That of the gel's modulus does not count, since it
+        scales every answer in kPa alike.
     recorded_calcium : path, times and values, or None
         Calcium that was recorded together with the curve, on its clock: a table, or times in ms and calcium in uM. It drives
         ``land_2017``, beat for beat. None: a column of calcium in the table of the curve, if there is one.
@@ -502,8 +511,10 @@ def fit(
         "fit", free, fix, bounds, starts, seed, stimulus_times_ms, peak_shortening_pct, named
     )
     if film is not None:
-        if not (curve is None and cell is None and not loaded and recorded_calcium is None):
-            raise ValueError("film gives the curve and the cell; leave curve, cell, loaded and recorded_calcium out")
+        if not (curve is None and cell is None and not loaded and traction is None and recorded_calcium is None):
+            raise ValueError(
+                "film gives the curve and the cell; leave curve, cell, loaded, traction and recorded_calcium out"
+            )
         given |= given_of_picture("fit", pixel_size_um, of_film)
         with film_path(film) as path:
             native = _native.fit_film(path, given, reading.by_name(), asked, threads, heard(progress))
@@ -518,9 +529,15 @@ def fit(
         held_curve, more = _single(reading, other, "loaded")
         between.append((float(stiffness), held_curve))
         notes += more
+    forces = []
+    for modulus, force in (traction if isinstance(traction, Mapping) else {None: traction}).items():
+        if force is not None:
+            own = replace(reading, columns=(), kind="force", unit="nN", mean=False)
+            own = replace(own, kind=None, unit=None) if isinstance(force, (str, PathLike)) else own
+            forces.append((modulus, own.curves(force, "traction")[0]))
     cell = cell_of(cell)
     calcium = _calcium(reading, curve, one, recorded_calcium, [calcium_rest_um, calcium_peak_um])
-    fitter = _native.Fitter(cell._native, given, asked, between, calcium)
+    fitter = _native.Fitter(cell._native, given, asked, between, (forces, traction_error), calcium)
     notes += fitter.notes
     text, run_file = fitter.fit(one, threads, heard(progress))
     found = Fit(cell, one[0], text, run_file, notes)

@@ -103,7 +103,7 @@ def work(
         fitter = _made.pop(key, None)
         if fitter is None:
             cell, given, asked = pickle.loads(head)
-            fitter = _native.Fitter(cell._native, given, asked, [], None)
+            fitter = _native.Fitter(cell._native, given, asked, [], ([], 0.0), None)
         _made[key] = fitter
         while len(_made) > 4:
             _made.popitem(last=False)
@@ -271,7 +271,7 @@ def fit_many(
     for one in cells:
         if id(one) not in heads:
             # Invalid settings are an error here, not in each worker.
-            _native.Fitter(one._native, given, asked, [], None)
+            _native.Fitter(one._native, given, asked, [], ([], 0.0), None)
             head = pickle.dumps((one, given, asked))
             heads[id(one)] = (hashlib.sha256(head).hexdigest(), head)
     tasks = _Tasks([heads[id(one)] for one in cells], read)

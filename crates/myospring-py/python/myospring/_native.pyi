@@ -135,6 +135,7 @@ class Fitter:
         given: dict[str, Any],
         asked: dict[str, Any],
         loaded: list[tuple[float, _Curve]],
+        traction: tuple[list[tuple[float | None, list[_Curve]]], float],
         calcium: tuple[str | None, list[_Curve], _Curve, list[float | None]] | None,
     ) -> Fitter: ...
     @property

@@ -13,6 +13,7 @@ mod page;
 mod shapes;
 mod simulation;
 mod tables;
+mod traction;
 pub mod words;
 
 use super::input::{self, ChosenSetting, Input};
@@ -35,6 +36,7 @@ use serde::Serialize;
 pub use shapes::Shapes;
 use std::path::Path;
 use std::sync::Arc;
+pub use traction::{SCALE_ERROR, TractionCurve, on_gel, scale_error};
 
 /// A fit whose files are read, and whose film is followed.
 pub struct PreparedFit {
@@ -87,7 +89,7 @@ impl FitCell {
             Some(film) => (vec![film.named(&self.table)?], Vec::new(), film.warnings().to_vec()),
             None => curves::of_tables(self.measured(), &self.table, files)?,
         };
-        let loaded = self.between_springs(curves.len(), files)?;
+        let mut loaded = self.between_springs(curves.len(), files)?;
         let (calcium, more) = self.calcium.of(&curves, own, (&self.table, &self.beats), files)?;
         notes.extend(more);
         // A film without another picture gives the cell itself.
@@ -98,6 +100,12 @@ impl FitCell {
         };
         notes.extend(run.assumed.iter().cloned());
         let own = own.is_some();
+        let scale_error = traction::scale_error(self.traction_error)?;
+        for curve in &self.traction {
+            let (found, note) = curve.read(run.support, &self.table, &self.beats, files)?;
+            loaded.push(Loaded { scale_error, ..found });
+            notes.push(note);
+        }
         let made = run.make(shaped, |file| files.bytes(file))?;
         run.fibre = made.fibres.taken;
         let (report, outline) = (made.report.clone(), made.outline.clone());
@@ -160,9 +168,10 @@ impl FitCell {
         let loaded = self.loaded.iter();
         let loaded = loaded.map(|spring| spring.read(&self.table, &self.beats, files));
         let loaded: Vec<Loaded> = loaded.collect::<Result<_, _>>()?;
-        if curves > 1 && !loaded.is_empty() {
+        let option = if loaded.is_empty() { "--traction" } else { "--loaded" };
+        if curves > 1 && !(loaded.is_empty() && self.traction.is_empty()) {
             return Err(ExperimentError::new(format!(
-                "--loaded needs one cell, but --to has {curves} curves"
+                "{option} needs one cell, but --to has {curves} curves"
             ))
             .advise("--columns chooses the curve of that cell"));
         }

@@ -1,6 +1,7 @@
 //! From unknowns to curves of shortening.
 
 use super::error::FitError;
+use super::inverse::Inverse;
 use super::least_squares::Column;
 use super::stretch_dependent::StretchDependent;
 use super::table::{Shelf, Tables};
@@ -105,6 +106,30 @@ impl Contraction {
             }
             Self::StretchDependent(cell) => cell.by_stimulus(physics, stimuli, times),
         }
+    }
+
+    /// What the cell does to its support at these shortenings, by name ([`TensionResponse::load`]), and its derivatives by the shortening;
+    /// `None` if the support has no such load.
+    ///
+    /// In equilibrium both follow from the tension that shapes the cell, so one follows from the other.
+    pub(super) fn load(
+        &self,
+        name: &str,
+        physics: &Physics<'_>,
+        shortening: &[f64],
+    ) -> Option<Vec<[f64; 2]>> {
+        let tables = match self {
+            Self::FollowsPotential { tables, .. } => tables,
+            Self::StretchDependent(cell) => cell.tables(),
+        };
+        let response = tables.at(physics.stiffness);
+        let inverse = Inverse::of(&response);
+        let load = |shortening: &f64| {
+            let tension = inverse.at(*shortening);
+            let [load, slope] = response.load(name, tension)?;
+            Some([load, slope / response.shortening(tension)[1]])
+        };
+        shortening.iter().map(load).collect()
     }
 
     /// Whether computing curves of these unknowns takes most of the time of a fit.

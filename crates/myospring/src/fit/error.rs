@@ -88,6 +88,18 @@ pub enum FitError {
         that lets it shorten, such as free ends"
     )]
     DoesNotShorten,
+    /// A force without anything that the cell pulls at.
+    #[error(
+        "`{name}` is a curve of the {}, but this cell has no support that it pulls at; choose the gel on which it was measured \
+         (--support gel)",
+        load.replace('_', " ")
+    )]
+    NoLoad {
+        /// The curve.
+        name: String,
+        /// What it shows.
+        load: &'static str,
+    },
     /// An unknown that cannot be fitted.
     #[error("`{name}` cannot be fitted: {why}. What can be fitted: {known}")]
     Unknown {

@@ -4,6 +4,7 @@ use super::answer::{Estimate, Fit, FitVerdict};
 use super::contraction::Contraction;
 use super::error::FitError;
 use super::least_squares::Least;
+use super::likelihood::Profile;
 use super::observed::{Observed, Scale};
 use super::problem::{Layout, Role, Source, shortening};
 use super::settings::FitSettings;
@@ -45,6 +46,16 @@ pub struct Loaded {
     pub support: SupportKind,
     /// The measured curve.
     pub observed: Observed,
+    /// Relative standard deviation of the scale of a force, moment or energy, such as that of traction microscopy; 0 if it is exact, and for
+    /// all other curves.
+    pub scale_error: f64,
+}
+
+impl Loaded {
+    /// A curve whose scale is exact.
+    pub fn exact(support: SupportKind, observed: Observed) -> Self {
+        Self { support, observed, scale_error: 0.0 }
+    }
 }
 
 /// The result of a search.
@@ -208,6 +219,7 @@ impl Fitter {
         match unknown {
             Unknown::TensionOverStiffness => self.tension_over_stiffness(),
             Unknown::YoungModulus => self.modulus(),
+            Unknown::PeakTension => self.tension(),
             Unknown::Parameter(name) => {
                 self.simulation.cell.parameters().get(name).unwrap_or(f64::NAN)
             }
@@ -229,7 +241,7 @@ impl Fitter {
     ) -> Result<Option<Fit>, FitError> {
         let support = self.simulation.support;
         let curves: Vec<Loaded> =
-            curves.iter().map(|observed| Loaded { support, observed: observed.clone() }).collect();
+            curves.iter().map(|observed| Loaded::exact(support, observed.clone())).collect();
         self.fit_loaded(&curves, settings, goes_on)
     }
 
@@ -287,14 +299,21 @@ impl Fitter {
         }
         let Some(Found { mut layout, mut ends, before }) = best else { return Ok(None) };
         if layout.leave_out_bad_frames(&ends[0]) {
-            let again = |end: &Least| minimise(&layout, &end.at, &work);
-            ends = ends.iter().filter_map(again).collect();
-            ends.sort_by(|a, b| a.sum.total_cmp(&b.sum));
-            if ends.is_empty() {
-                return Ok(None);
-            }
+            ends = minimise_again(&layout, &ends, &work);
         }
-        let fit = self.answer(&layout, ends, settings, &work);
+        if ends.is_empty() {
+            return Ok(None);
+        }
+        if layout.scale_errors().next().is_some() {
+            // The errors of scales are known, whatever the misfit of the curves.
+            let Some(deviation) = Sure::deviation(&layout, &ends[0]) else { return Ok(None) };
+            layout.unit = deviation;
+            ends = minimise_again(&layout, &ends, &work);
+        }
+        if ends.is_empty() {
+            return Ok(None);
+        }
+        let fit = self.answer(layout, ends, settings, &work);
         Ok(fit.map(|fit| Fit { beats_before: before, ..fit }))
     }
 
@@ -319,8 +338,14 @@ impl Fitter {
         let train = Train { before, beats: stimuli.len(), cycle_ms: cycle };
         let up_to = (MARGIN * up_to).clamp(0.02, 0.8);
         let contraction = Contraction::new(&simulation, unknowns, &train, up_to, &self.shelf)?;
-        let used = vec![true; frames.values.len()];
-        Ok(Source { observed, frames, contraction, used, cycle })
+        if let Scale::Load(load) = observed.scale {
+            let still = Physics { tension: 1.0, stiffness: 1.0, parameters: &[] };
+            if contraction.load(load, &still, &[0.0]).is_none() {
+                return Err(FitError::NoLoad { name: observed.name, load });
+            }
+        }
+        let (used, scale_error) = (vec![true; frames.values.len()], curve.scale_error);
+        Ok(Source { observed, frames, contraction, used, cycle, scale_error })
     }
 
     /// The end of each start, the best first, at least one; `part` is the part of all work that is
@@ -371,27 +396,98 @@ impl Fitter {
 
     fn answer(
         &self,
-        layout: &Layout,
+        mut layout: Layout,
         mut ends: Vec<Least>,
         settings: &FitSettings,
         work: &Work<'_>,
     ) -> Option<Fit> {
         let shown = |&place: &usize| settings.intervals && layout.is_shown(place);
         let shown: Vec<usize> = (0..layout.roles.len()).filter(shown).collect();
-        let mut sure = Sure::of(layout, &ends, &shown, work)?;
+        let mut sure = Sure::of(&layout, &ends, &shown, work)?;
         let starts = ends.clone();
         for _ in 1..ANSWERS {
             let lowest = sure.profiles.iter().map(|profile| &profile.lowest);
             let lowest = lowest.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|low| low.0 < BETTER);
-            let better = lowest.and_then(|(_, at)| minimise(layout, at, work));
+            let better = lowest.and_then(|(_, at)| minimise(&layout, at, work));
             let Some(better) = better.filter(|better| better.sum < ends[0].sum) else { break };
             ends.insert(0, better);
-            sure = Sure::of(layout, &ends, &shown, work)?;
+            sure = Sure::of(&layout, &ends, &shown, work)?;
         }
         let least = &ends[0];
-        let Sure { profiles, covariance, unit, at_ends, reduced, factor, .. } = sure;
+        let Sure { covariance, unit, at_ends, reduced, factor, .. } = &sure;
+        let (unit, at_ends, reduced, factor) = (*unit, *at_ends, *reduced, *factor);
+        let mut estimates = self.estimates(&layout, least, &shown, &sure);
+        let mut sums: Vec<Vec<usize>> = shown.iter().map(|place| vec![*place]).collect();
+        let both = layout.ratio_and_stiffness().filter(|_| settings.intervals);
+        let after = both.and_then(|[_, stiffness]| shown.iter().position(|it| *it == stiffness));
+        if let (Some(both), Some(after)) = (both, after) {
+            // The logarithm of the tension is the sum of the two.
+            sums.insert(after + 1, both.to_vec());
+        }
+        let correlations = covariance.as_ref().map(|all| {
+            let product = |a: &Vec<usize>, b: &Vec<usize>| -> f64 {
+                a.iter().map(|j| b.iter().map(|k| all[*j][*k]).sum::<f64>()).sum()
+            };
+            let of = |a, b| product(a, b) / (product(a, a) * product(b, b)).sqrt();
+            let row = |a| sums.iter().map(|b| of(a, b)).collect();
+            sums.iter().map(row).collect::<Vec<Vec<f64>>>()
+        });
+        let name = |at: usize| layout.name(sums[at][0]);
+        let mut correlated = Vec::new();
+        for (j, row) in correlations.iter().flatten().enumerate() {
+            for (k, correlation) in row.iter().enumerate().skip(j + 1) {
+                if correlation.abs() > TOLD_APART && sums[j].len() == sums[k].len() {
+                    correlated.push((name(j), name(k), *correlation));
+                }
+            }
+        }
+        let curves = (0..layout.sources.len()).map(|number| layout.fitted(least, number));
+        let curves = curves.collect::<Option<_>>()?;
+        let numbers = layout.roles.len();
+        let agreeing = starts.iter().filter(|end| (end.sum - least.sum) / unit < at_ends).count();
+        let count = least.residuals.len() as f64;
+        if let (Some(both), Some(after)) = (both, after) {
+            layout.seek_tension(both, &mut ends);
+            let sure = Sure::of(&layout, &ends, &both[..1], work)?;
+            let own = self.estimates(&layout, &ends[0], &both[..1], &sure);
+            estimates.splice(after + 1..after + 1, own);
+        }
+        let mut fit = Fit {
+            model: self.simulation.cell.name().to_owned(),
+            estimates,
+            correlations,
+            correlated,
+            variance_factor: factor,
+            rise_at_ends: at_ends,
+            verdict: FitVerdict::Fits,
+            curves,
+            verdicts: Vec::new(),
+            beats_before: 0,
+            agreeing_starts: [agreeing, settings.starts.max(1)],
+            starts: starts.iter().map(|end| (end.sum / count).sqrt()).collect(),
+            reduced_chi_squared: reduced,
+            numbers,
+            evaluations: work.evaluations(),
+            own_tension: None,
+            tried: Vec::new(),
+            calcium: None,
+        };
+        fit.judge();
+        fit.verdicts = verdicts(&fit, &self.simulation, self.modulus());
+        Some(fit)
+    }
+
+    /// The estimates of unknowns from their profiles.
+    fn estimates(
+        &self,
+        layout: &Layout,
+        least: &Least,
+        shown: &[usize],
+        sure: &Sure,
+    ) -> Vec<Estimate> {
+        let Sure { profiles, covariance, unit, .. } = sure;
         let deviation = |place: usize| Some((covariance.as_ref()?[place][place] * unit).sqrt());
-        let estimates = shown.iter().zip(profiles).map(|(&place, profile)| {
+        let estimate = |(&place, profile): (&usize, &Profile)| {
             let [low, high] = layout.bounds[place];
             let value = |x: f64| self.value(layout, place, x);
             Estimate {
@@ -408,48 +504,8 @@ impl Fitter {
                 profile: profile.points.iter().map(|[x, rise]| [value(*x), *rise]).collect(),
                 verdict: profile.verdict,
             }
-        });
-        let estimates = estimates.collect();
-        let correlations = covariance.as_ref().map(|all| {
-            let of = |j: usize, k: usize| all[j][k] / (all[j][j] * all[k][k]).sqrt();
-            let row = |&j: &usize| shown.iter().map(|&k| of(j, k)).collect();
-            shown.iter().map(row).collect::<Vec<Vec<f64>>>()
-        });
-        let mut correlated = Vec::new();
-        for (j, row) in correlations.iter().flatten().enumerate() {
-            for (k, correlation) in row.iter().enumerate().skip(j + 1) {
-                if correlation.abs() > TOLD_APART {
-                    correlated.push((layout.name(shown[j]), layout.name(shown[k]), *correlation));
-                }
-            }
-        }
-        let agreeing = starts.iter().filter(|end| (end.sum - least.sum) / unit < at_ends).count();
-        let count = least.residuals.len() as f64;
-        let mut fit = Fit {
-            model: self.simulation.cell.name().to_owned(),
-            estimates,
-            correlations,
-            correlated,
-            variance_factor: factor,
-            rise_at_ends: at_ends,
-            verdict: FitVerdict::Fits,
-            curves: (0..layout.sources.len())
-                .map(|number| layout.fitted(least, number))
-                .collect::<Option<_>>()?,
-            verdicts: Vec::new(),
-            beats_before: 0,
-            agreeing_starts: [agreeing, settings.starts.max(1)],
-            starts: starts.iter().map(|end| (end.sum / count).sqrt()).collect(),
-            reduced_chi_squared: reduced,
-            numbers: layout.roles.len(),
-            evaluations: work.evaluations(),
-            own_tension: None,
-            tried: Vec::new(),
-            calcium: None,
         };
-        fit.judge();
-        fit.verdicts = verdicts(&fit, &*self.simulation.cell, self.modulus());
-        Some(fit)
+        shown.iter().zip(profiles).map(estimate).collect()
     }
 
     /// A number as people read it.
@@ -463,13 +519,14 @@ impl Fitter {
     fn unit(&self, layout: &Layout, place: usize) -> String {
         match &layout.roles[place] {
             Role::Physics(Unknown::TensionOverStiffness) => String::new(),
-            Role::Physics(Unknown::YoungModulus) => "kPa".to_owned(),
+            Role::Physics(Unknown::YoungModulus | Unknown::PeakTension) => "kPa".to_owned(),
             Role::Physics(Unknown::Parameter(name)) => {
                 let rows = self.simulation.cell.parameters().rows();
                 let row = rows.iter().find(|row| row.name == *name);
                 row.map(|row| row.unit.to_string()).unwrap_or_default()
             }
             Role::Delay { .. } => "ms".to_owned(),
+            Role::ScaleError { .. } => String::new(),
             Role::Level { source } | Role::Gain { source } | Role::Drift { source } => {
                 layout.sources[*source].observed.unit.clone()
             }
@@ -481,6 +538,14 @@ impl Fitter {
 const FIRST_STIMULUS: f64 = 50.0;
 /// A beat lasts at least so long, ms.
 pub(super) const ONE_BEAT: f64 = 600.0;
+
+/// The answers again, after the problem has changed, the best first.
+fn minimise_again(layout: &Layout, ends: &[Least], work: &Work<'_>) -> Vec<Least> {
+    let mut ends: Vec<Least> =
+        ends.iter().filter_map(|end| minimise(layout, &end.at, work)).collect();
+    ends.sort_by(|a, b| a.sum.total_cmp(&b.sum));
+    ends
+}
 
 fn minimise(layout: &Layout, start: &[f64], work: &Work<'_>) -> Option<Least> {
     let residuals = layout.counted(work);

@@ -54,8 +54,9 @@ impl Fitter {
         });
         let sources = curves
             .iter()
-            .map(|Loaded { support, observed }| {
-                let start = Loaded { support: *support, observed: observed.first_beats(TIMED) };
+            .map(|curve| {
+                let observed = curve.observed.first_beats(TIMED);
+                let start = Loaded { observed, ..curve.clone() };
                 self.source(&start, &unknowns, 0)
             })
             .collect::<Result<Vec<Source>, _>>()?;

@@ -26,6 +26,10 @@ pub enum Scale {
     Percent,
     /// Contraction in arbitrary units: its height has no meaning.
     Arbitrary,
+    /// What the cell does to its support, by the name of the signal, such as
+    /// [`AXIAL_FORCE`](crate::recording::AXIAL_FORCE): a force in nN, a moment or energy in fJ.
+    #[serde(untagged)]
+    Load(&'static str),
 }
 
 /// When the cell was stimulated.
@@ -110,16 +114,44 @@ impl Observed {
         stimuli_ms: Option<&[f64]>,
         peak_shortening_pct: Option<f64>,
     ) -> Result<Self, FitError> {
-        let name = || curve.name.clone();
-        let marked = Some(curve.stimuli_ms.as_slice()).filter(|marked| !marked.is_empty());
-        let stimuli_ms = stimuli_ms.or(marked);
         let scale = match curve.kind {
             Kind::Length | Kind::SarcomereLength | Kind::NormalisedLength => Scale::Length,
             Kind::Shortening => Scale::Percent,
             Kind::Contraction if curve.unit == "%" => Scale::Percent,
             Kind::Contraction | Kind::Unknown => Scale::Arbitrary,
-            kind => return Err(FitError::Kind { name: name(), kind: kind.to_string() }),
+            kind => {
+                let (name, kind) = (curve.name.clone(), kind.to_string());
+                return Err(FitError::Kind { name, kind });
+            }
         };
+        let (observed, analysis) = Self::of_scale(curve, stimuli_ms, scale)?;
+        match peak_shortening_pct {
+            Some(percent) => observed.with_peak(percent, &analysis),
+            None => Ok(observed),
+        }
+    }
+
+    /// Prepares a curve of what the cell does to its support, by the name of the signal ([`Scale::Load`]), in nN or fJ.
+    ///
+    /// # Errors
+    ///
+    /// A curve without a beat.
+    pub fn of_load(
+        curve: &Curve,
+        stimuli_ms: Option<&[f64]>,
+        load: &'static str,
+    ) -> Result<Self, FitError> {
+        Self::of_scale(curve, stimuli_ms, Scale::Load(load)).map(|(observed, _)| observed)
+    }
+
+    fn of_scale(
+        curve: &Curve,
+        stimuli_ms: Option<&[f64]>,
+        scale: Scale,
+    ) -> Result<(Self, Analysis), FitError> {
+        let name = || curve.name.clone();
+        let marked = Some(curve.stimuli_ms.as_slice()).filter(|marked| !marked.is_empty());
+        let stimuli_ms = stimuli_ms.or(marked);
         let options = CurveOptions {
             stimuli_ms: stimuli_ms.unwrap_or_default().to_vec(),
             ..CurveOptions::default()
@@ -159,11 +191,7 @@ impl Observed {
             None => Stimuli::Seen(beats),
         };
         let (times_ms, unit) = (curve.times_ms.clone(), curve.unit.to_owned());
-        let observed = Self { name: name(), times_ms, values, scale, unit, stimuli };
-        match peak_shortening_pct {
-            Some(percent) => observed.with_peak(percent, &analysis),
-            None => Ok(observed),
-        }
+        Ok((Self { name: name(), times_ms, values, scale, unit, stimuli }, analysis))
     }
 
     /// The frames of the first beats.

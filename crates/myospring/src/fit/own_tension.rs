@@ -25,6 +25,7 @@ mod spline;
 use super::answer::{Estimate, Fit, FittedCurve, Verdict};
 use super::error::FitError;
 use super::fitter::{Fitter, Loaded};
+use super::inverse::Inverse;
 use super::likelihood::rise_at_ends;
 use super::misfit::Misfit;
 use super::observed::{AT_REST, Observed, Scale, Stimuli};
@@ -59,9 +60,6 @@ const SMALL: f64 = 4.0;
 const OF_FREEDOM: f64 = 0.23;
 /// A cell is longer than at rest by chance up to this many standard deviations, in the worst of some hundred frames.
 const LONGER: f64 = 2.5;
-/// Steps of the inversion, and the part of the highest tension that ends it.
-const STEPS: usize = 60;
-const AGREED: f64 = 1e-13;
 
 impl Fitter {
     /// Of a simulation whose own cell model does not matter: its tension is what curves ask for.
@@ -80,7 +78,7 @@ impl Fitter {
 
     /// The tension that a curve asks for.
     pub(super) fn own_tension(&self, curves: &[Loaded]) -> Result<Fit, FitError> {
-        let [Loaded { support, observed }] = curves else {
+        let [Loaded { support, observed, .. }] = curves else {
             return Err(FitError::Setting {
                 what: "several curves of one cell",
                 why: "each has a tension of its own; fit them one by one",
@@ -150,7 +148,7 @@ impl Fitter {
             tried: Vec::new(),
             calcium: None,
         };
-        fit.verdicts = words::of_own_tension(&fit, self.modulus());
+        fit.verdicts = words::of_own_tension(&fit, self.modulus(), self.simulation().support);
         fit
     }
 }
@@ -370,57 +368,6 @@ impl<'a> Seen<'a> {
             }
             seen => seen.clone(),
         }
-    }
-}
-
-/// The tension of a shortening: the inverse of [`TensionResponse::shortening`].
-struct Inverse<'a> {
-    response: &'a dyn TensionResponse,
-    highest: f64,
-    /// Shortening under the highest tension, and its slope there.
-    end: [f64; 2],
-    /// Slope without tension.
-    first: f64,
-}
-
-impl<'a> Inverse<'a> {
-    fn of(response: &'a dyn TensionResponse) -> Self {
-        let highest = response.highest();
-        let [_, first] = response.shortening(0.0);
-        Self { response, highest, end: response.shortening(highest), first }
-    }
-
-    /// Past either end on a straight line.
-    fn at(&self, shortening: f64) -> f64 {
-        let Self { response, highest, end: [most, last], first } = *self;
-        if shortening <= 0.0 {
-            return shortening / first;
-        }
-        if shortening >= most {
-            return highest + (shortening - most) / last;
-        }
-        let (mut low, mut high) = (0.0, highest);
-        let mut tension = (shortening / first).min(0.5 * highest);
-        // Newton's method, kept between two tensions that are too low and too high.
-        for _ in 0..STEPS {
-            let [found, slope] = response.shortening(tension);
-            let miss = found - shortening;
-            if miss > 0.0 {
-                high = tension;
-            } else {
-                low = tension;
-            }
-            let mut next = tension - miss / slope;
-            if !(low < next && next < high) {
-                next = f64::midpoint(low, high);
-            }
-            let step = (next - tension).abs();
-            tension = next;
-            if step <= AGREED * highest {
-                break;
-            }
-        }
-        tension
     }
 }
 

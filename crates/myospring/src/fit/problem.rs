@@ -1,6 +1,7 @@
 //! From a vector of unknowns to the residuals of several curves of one cell.
 
 use super::contraction::Contraction;
+use super::least_squares::Least;
 use super::observed::{Frames, Observed, Scale, Stimuli};
 use super::unknown::{Physics, Unknown};
 
@@ -11,6 +12,8 @@ const LEVELS: f64 = 3.0;
 /// Steps for differences: of logarithms, of delays (ms), and of levels over the height of the beat.
 const STEP: f64 = 1e-4;
 const STEP_MS: f64 = 0.02;
+/// Bound of the error of a scale, in its standard deviations.
+const LARGEST_ERROR: f64 = 6.0;
 
 /// A curve and the cell that makes it.
 pub(super) struct Source {
@@ -21,6 +24,8 @@ pub(super) struct Source {
     pub(super) used: Vec<bool>,
     /// Mean time from stimulus to stimulus, ms; for a single beat the rest of the recording.
     pub(super) cycle: f64,
+    /// Relative standard deviation of the scale of a load; 0 if it is exact.
+    pub(super) scale_error: f64,
 }
 
 /// The meaning of an unknown of the vector.
@@ -36,6 +41,8 @@ pub(super) enum Role {
     Drift { source: usize },
     /// Height of a contraction in arbitrary units for a shortening of all the cell.
     Gain { source: usize },
+    /// Logarithm of the factor on a load that the error of its scale makes.
+    ScaleError { source: usize },
 }
 
 /// All unknowns, and how residuals follow from them.
@@ -46,6 +53,8 @@ pub(super) struct Layout {
     pub(super) steps: Vec<f64>,
     /// The run's value of every fitted parameter, in the order of the roles.
     pub(super) usual: Vec<f64>,
+    /// Standard deviation of a residual, in those of the noise: the errors of scales, which are known, count in these.
+    pub(super) unit: f64,
 }
 
 impl Layout {
@@ -57,6 +66,7 @@ impl Layout {
             bounds: Vec::new(),
             steps: Vec::new(),
             usual: Vec::new(),
+            unit: 1.0,
         };
         for (unknown, [low, high], usual) in unknowns {
             layout.add(Role::Physics(unknown.clone()), [low.ln(), high.ln()], STEP);
@@ -83,6 +93,11 @@ impl Layout {
             if scale == Scale::Arbitrary {
                 layout.add(Role::Gain { source }, [1e-3 * height, 1e6 * height], 1e-2 * height);
             }
+            let error = layout.sources[source].scale_error;
+            if error > 0.0 {
+                let most = LARGEST_ERROR * error;
+                layout.add(Role::ScaleError { source }, [-most, most], STEP);
+            }
         }
         layout
     }
@@ -95,19 +110,40 @@ impl Layout {
 
     /// Factors of the physics, and the values of the fitted parameters.
     pub(super) fn physics<'a>(&self, at: &[f64], parameters: &'a mut Vec<f64>) -> Physics<'a> {
-        let mut physics = [1.0; 2];
+        let (mut ratio, mut stiffness, mut tension) = (0.0, 0.0, None);
         parameters.clear();
         for (role, value) in self.roles.iter().zip(at) {
             match role {
-                Role::Physics(Unknown::TensionOverStiffness) => physics[0] = value.exp(),
-                Role::Physics(Unknown::YoungModulus) => physics[1] = value.exp(),
+                Role::Physics(Unknown::TensionOverStiffness) => ratio = *value,
+                Role::Physics(Unknown::YoungModulus) => stiffness = *value,
+                Role::Physics(Unknown::PeakTension) => tension = Some(*value),
                 Role::Physics(Unknown::Parameter(_)) => {
                     parameters.push(self.usual[parameters.len()] * value.exp());
                 }
                 _ => {}
             }
         }
-        Physics { tension: physics[0], stiffness: physics[1], parameters }
+        let ratio = tension.map_or(ratio, |tension| tension - stiffness);
+        Physics { tension: ratio.exp(), stiffness: stiffness.exp(), parameters }
+    }
+
+    /// Where tension over stiffness and the stiffness are, if both are sought.
+    pub(super) fn ratio_and_stiffness(&self) -> Option<[usize; 2]> {
+        let place = |wanted: Unknown| {
+            self.roles.iter().position(|role| *role == Role::Physics(wanted.clone()))
+        };
+        Some([place(Unknown::TensionOverStiffness)?, place(Unknown::YoungModulus)?])
+    }
+
+    /// Seeks the tension in place of tension over stiffness: the same problem in other coordinates.
+    pub(super) fn seek_tension(&mut self, [ratio, stiffness]: [usize; 2], answers: &mut [Least]) {
+        self.roles[ratio] = Role::Physics(Unknown::PeakTension);
+        let [lower, upper] = self.bounds[stiffness];
+        let [low, high] = self.bounds[ratio];
+        self.bounds[ratio] = [low + lower, high + upper];
+        for answer in answers {
+            answer.at[ratio] += answer.at[stiffness];
+        }
     }
 
     /// The stimuli of a curve, each with its delay.
@@ -141,16 +177,37 @@ impl Layout {
         self.sources[number].contraction.shortening(&physics, &stimuli, times)
     }
 
+    /// The load on the support at these shortenings of a curve, with its derivatives by them; `None` for curves of the cell's own motion.
+    pub(super) fn load(
+        &self,
+        at: &[f64],
+        number: usize,
+        shortening: &[f64],
+    ) -> Option<Option<Vec<[f64; 2]>>> {
+        let source = &self.sources[number];
+        let Scale::Load(name) = source.observed.scale else { return Some(None) };
+        let mut parameters = Vec::new();
+        let physics = self.physics(at, &mut parameters);
+        source.contraction.load(name, &physics, shortening).map(Some)
+    }
+
+    /// What a curve shows, without its level and scale: the shortening, or a load.
+    pub(super) fn response(&self, at: &[f64], number: usize, times: &[f64]) -> Option<Vec<f64>> {
+        let shortening = self.shortening(at, number, times)?;
+        let load = self.load(at, number, &shortening)?;
+        Some(load.map_or(shortening, |load| load.into_iter().map(|[load, _]| load).collect()))
+    }
+
     /// The model's curve in the units of the measured one.
     pub(super) fn curve(&self, at: &[f64], number: usize, times: &[f64]) -> Option<Vec<f64>> {
-        let mut curve = self.shortening(at, number, times)?;
+        let mut curve = self.response(at, number, times)?;
         let [level, gain, drift] = self.scale(at, number);
         for (value, part) in curve.iter_mut().zip(self.parts(number, times)) {
             let level = level + drift * part;
             *value = match self.sources[number].observed.scale {
                 Scale::Length => level * (1.0 - *value),
                 Scale::Percent => level + 100.0 * *value,
-                Scale::Arbitrary => level + gain * *value,
+                Scale::Arbitrary | Scale::Load(_) => level + gain * *value,
             };
         }
         Some(curve)
@@ -160,7 +217,8 @@ impl Layout {
     pub(super) fn scale(&self, at: &[f64], number: usize) -> [f64; 3] {
         let find = |wanted: &Role| self.roles.iter().position(|role| role == wanted);
         let level = find(&Role::Level { source: number }).map_or(0.0, |place| at[place]);
-        let gain = find(&Role::Gain { source: number }).map_or(1.0, |place| at[place]);
+        let error = find(&Role::ScaleError { source: number }).map_or(0.0, |place| at[place]);
+        let gain = find(&Role::Gain { source: number }).map_or(error.exp(), |place| at[place]);
         let drift = find(&Role::Drift { source: number }).map_or(0.0, |place| at[place]);
         [level, gain, drift]
     }
@@ -172,7 +230,7 @@ impl Layout {
         times.iter().map(|time| (time - first) / (last - first) - 0.5).collect()
     }
 
-    /// Residuals of all frames that count, over their noise.
+    /// Residuals of all frames that count, over their noise, then those of the errors of scales.
     pub(super) fn residuals(&self, at: &[f64]) -> Option<Vec<f64>> {
         let mut all = Vec::new();
         for number in 0..self.sources.len() {
@@ -181,7 +239,16 @@ impl Layout {
             let off = frames.values.iter().zip(&curve).zip(used).filter(|(_, used)| **used);
             all.extend(off.map(|((value, curve), _)| (value - curve) / frames.noise));
         }
+        all.extend(self.scale_errors().map(|(place, deviation)| at[place] / deviation));
         all.iter().all(|value| value.is_finite()).then_some(all)
+    }
+
+    /// Where errors of scales are, and their standard deviations over that of a residual.
+    pub(super) fn scale_errors(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.roles.iter().enumerate().filter_map(|(place, role)| {
+            let Role::ScaleError { source } = role else { return None };
+            Some((place, self.sources[*source].scale_error / self.unit))
+        })
     }
 
     /// A starting point: parameters with these factors, a tension at which beats have the measured
@@ -272,6 +339,6 @@ pub(super) fn shortening(scale: Scale, rest: f64, reach: f64) -> Option<f64> {
     match scale {
         Scale::Length => Some((-reach / rest).clamp(1e-6, 0.9)),
         Scale::Percent => Some((reach / 100.0).clamp(1e-6, 0.9)),
-        Scale::Arbitrary => None,
+        Scale::Arbitrary | Scale::Load(_) => None,
     }
 }

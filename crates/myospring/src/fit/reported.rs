@@ -14,7 +14,11 @@ const BAD: f64 = 6.0;
 impl Layout {
     /// Whether its profile is computed; delays of single beats are fitted but not reported.
     pub(super) fn is_shown(&self, place: usize) -> bool {
-        !matches!(self.roles[place], Role::Delay { beat: Some(_), .. } | Role::Drift { .. })
+        let role = &self.roles[place];
+        !matches!(
+            role,
+            Role::Delay { beat: Some(_), .. } | Role::Drift { .. } | Role::ScaleError { .. }
+        )
     }
 
     pub(super) fn unknown(&self, place: usize) -> Option<&Unknown> {
@@ -37,10 +41,11 @@ impl Layout {
             Role::Delay { source, .. } => of("delay", *source),
             Role::Level { source } => match self.sources[*source].observed.scale {
                 Scale::Length => of("resting_length", *source),
-                Scale::Percent | Scale::Arbitrary => of("baseline", *source),
+                Scale::Percent | Scale::Arbitrary | Scale::Load(_) => of("baseline", *source),
             },
             Role::Gain { source } => of("gain", *source),
             Role::Drift { source } => of("drift", *source),
+            Role::ScaleError { source } => of("scale_error", *source),
         }
     }
 

@@ -18,9 +18,12 @@ const ENOUGH: f64 = 1e-5;
 
 /// Of the frames of one curve.
 struct Frames {
-    /// The derivative of each value by the shortening.
-    by_shortening: Vec<f64>,
-    shortening: Vec<f64>,
+    /// What it shows without level and scale: the shortening, or a load.
+    response: Vec<f64>,
+    /// The derivative of each value by that.
+    by_response: Vec<f64>,
+    /// The derivative of a load by the shortening.
+    load_by_shortening: Option<Vec<f64>>,
     /// The time of each as a part of the recording, from -1/2 to 1/2.
     part: Vec<f64>,
     /// How many frames that count are before each, and in all.
@@ -65,6 +68,7 @@ impl Layout {
         }
         let delays = all.iter().map(|&number| self.by_stimulus(at, held, number));
         let delays = delays.collect::<Option<Vec<_>>>()?;
+        let rows = first + self.scale_errors().count();
         let column = |(place, role): (usize, &Role)| {
             if held[place] {
                 return Some(Column::default());
@@ -76,16 +80,16 @@ impl Layout {
                         let source = &self.sources[number];
                         let of = |at: &[f64]| {
                             let wanted = work.counts();
-                            wanted.then(|| self.shortening(at, number, &source.frames.times))?
+                            wanted.then(|| self.response(at, number, &source.frames.times))?
                         };
                         let (step, bounds) = (self.steps[place], &self.bounds);
                         let moved = if source.contraction.is_slow() {
-                            one_sided(of, at, place, step, bounds, &frames[number].shortening)?
+                            one_sided(of, at, place, step, bounds, &frames[number].response)?
                         } else {
                             difference(of, at, place, step, bounds)?
                         };
                         let whole = Column { first: 0, values: moved };
-                        let part = self.by_shortening(number, &frames[number], &whole);
+                        let part = self.by_response(number, &frames[number], &whole);
                         values.extend(part.values);
                     }
                     Column { first: 0, values }
@@ -95,7 +99,7 @@ impl Layout {
                 }
                 // All of them at once.
                 Role::Delay { source, beat: None } => {
-                    let count = frames[*source].shortening.len();
+                    let count = frames[*source].response.len();
                     let mut sum = Column { first: 0, values: vec![0.0; count] };
                     for one in &delays[*source] {
                         for (sum, value) in sum.values[one.first..].iter_mut().zip(&one.values) {
@@ -106,6 +110,16 @@ impl Layout {
                 }
                 Role::Level { source } | Role::Drift { source } | Role::Gain { source } => {
                     self.by_scale(role, *source, &frames[*source])
+                }
+                Role::ScaleError { source } => {
+                    let mut column = self.by_scale(role, *source, &frames[*source]);
+                    let mut errors = self.scale_errors().enumerate();
+                    let (row, deviation) = errors.find_map(|(row, (at, deviation))| {
+                        (at == place).then_some((row, deviation))
+                    })?;
+                    column.values.resize(rows - column.first, 0.0);
+                    column.values[first + row - column.first] = deviation.recip();
+                    column
                 }
             })
         };
@@ -133,36 +147,50 @@ impl Layout {
         let source = &self.sources[number];
         let times = &source.frames.times;
         let shortening = self.shortening(at, number, times)?;
+        let load = self.load(at, number, &shortening)?;
+        let load_by_shortening = load.as_ref().map(|load| load.iter().map(|[_, by]| *by).collect());
+        let response =
+            load.map_or(shortening, |load| load.into_iter().map(|[load, _]| load).collect());
         let part = self.parts(number, times);
         let [level, gain, drift] = self.scale(at, number);
-        let by_shortening = match source.observed.scale {
+        let by_response = match source.observed.scale {
             Scale::Length => part.iter().map(|part| -(level + drift * part)).collect(),
             Scale::Percent => vec![100.0; times.len()],
-            Scale::Arbitrary => vec![gain; times.len()],
+            Scale::Arbitrary | Scale::Load(_) => vec![gain; times.len()],
         };
         let mut before = vec![0];
         for used in &source.used {
             before.push(before[before.len() - 1] + usize::from(*used));
         }
-        Some(Frames { by_shortening, shortening, part, before, first })
+        Some(Frames { response, by_response, load_by_shortening, part, before, first })
     }
 
     /// The derivatives of residuals from those of the shortening.
     fn by_shortening(&self, number: usize, frames: &Frames, column: &Column) -> Column {
-        let all = column.first..column.first + column.values.len();
-        let values = column.values.iter().zip(&frames.by_shortening[all]);
+        let Some(load) = &frames.load_by_shortening else {
+            return self.by_response(number, frames, column);
+        };
+        let values = column.values.iter().zip(&load[column.first..]);
+        let values = values.map(|(value, by)| value * by).collect();
+        self.by_response(number, frames, &Column { first: column.first, values })
+    }
+
+    /// The derivatives of residuals from those of what a curve shows.
+    fn by_response(&self, number: usize, frames: &Frames, column: &Column) -> Column {
+        let values = column.values.iter().zip(&frames.by_response[column.first..]);
         self.column(number, frames, column.first, values.map(|(value, by)| value * by))
     }
 
-    /// Derivatives by level, gain and drift.
+    /// Derivatives by level, gain, drift and the error of the scale.
     fn by_scale(&self, role: &Role, number: usize, frames: &Frames) -> Column {
         let scale = self.sources[number].observed.scale;
-        let all = frames.shortening.iter().zip(&frames.part);
-        let values = all.map(|(shortening, part)| {
-            let level = if scale == Scale::Length { 1.0 - shortening } else { 1.0 };
+        let all = frames.response.iter().zip(&frames.by_response).zip(&frames.part);
+        let values = all.map(|((response, by_response), part)| {
+            let level = if scale == Scale::Length { 1.0 - response } else { 1.0 };
             match role {
                 Role::Drift { .. } => level * part,
-                Role::Gain { .. } => *shortening,
+                Role::Gain { .. } => *response,
+                Role::ScaleError { .. } => by_response * response,
                 _ => level,
             }
         });
@@ -210,6 +238,7 @@ mod tests {
     use crate::fit::unknown::Unknown;
     use crate::fit::{Fitter, Loaded, Observed, Stimuli};
     use crate::interruption::Interruption;
+    use crate::recording::AXIAL_FORCE;
     use crate::run_file::RunFile;
 
     /// Four beats, 100 frames a second.
@@ -224,7 +253,8 @@ mod tests {
         let observed = Observed { name: "cell".into(), times_ms, values, scale, unit, stimuli };
         let support = fitter.simulation().support;
         let unknowns: Vec<Unknown> = free.iter().map(|name| Unknown::named(name)).collect();
-        let loaded = Loaded { support, observed };
+        let scale_error = if matches!(scale, Scale::Load(_)) { 0.05 } else { 0.0 };
+        let loaded = Loaded { support, observed, scale_error };
         let mut source = fitter.source(&loaded, &unknowns, 0).unwrap();
         source.used[17] = false;
         let usual = |unknown: &Unknown| match unknown {
@@ -245,12 +275,15 @@ mod tests {
         let of_tension = ["tension_over_stiffness", "c_0", "x_3", "sigma"];
         let of_filaments = ["tension_over_stiffness", "k_ws"];
         let land = "cell.model = \"land_2017\"";
+        let gel = "mechanics.support = \"gel\"\nmechanics.gel_modulus = \"10 kPa\"\nshape.spacing = \"7 um\"";
+        let on_gel = ["tension_over_stiffness", "young_modulus", "c_0"];
         for (text, free, scale, stimuli) in [
             ("", &of_tension[..], Scale::Length, seen()),
             ("", &of_tension, Scale::Percent, given()),
             (viscous, &of_tension, Scale::Length, seen()),
             (land, &of_filaments, Scale::Length, seen()),
             (land, &of_filaments[1..], Scale::Arbitrary, given()),
+            (gel, &on_gel, Scale::Load(AXIAL_FORCE), seen()),
         ] {
             let layout = layout(text, free, scale, stimuli);
             let at: Vec<f64> = layout
@@ -263,6 +296,7 @@ mod tests {
                     Role::Level { .. } => 99.0,
                     Role::Drift { .. } => 0.7,
                     Role::Gain { .. } => 123.0,
+                    Role::ScaleError { .. } => 0.03,
                 })
                 .collect();
             let held = vec![false; at.len()];

@@ -44,6 +44,11 @@ impl StretchDependent {
         Ok(Self { simulation, names, train, tables, made: Mutex::default() })
     }
 
+    /// The equilibria of its mesh.
+    pub(super) fn tables(&self) -> &Tables {
+        &self.tables
+    }
+
     /// Whether computing curves takes most of the time of a fit. Such a cell always starts from the
     /// model's published state.
     pub(super) fn is_slow(&self) -> bool {

@@ -36,6 +36,12 @@ pub(super) struct Sure {
 }
 
 impl Sure {
+    /// Standard deviation of a residual that intervals use; `None` if there is no curve at this answer.
+    pub(super) fn deviation(layout: &Layout, least: &Least) -> Option<f64> {
+        let Variance { reduced, factor, .. } = Variance::of(layout, least)?;
+        Some((factor * reduced).max(f64::MIN_POSITIVE).sqrt())
+    }
+
     /// `ends` are answers, the best first. Profiles are computed for the unknowns that are
     /// reported. `None` if it was stopped.
     pub(super) fn of(
@@ -45,10 +51,7 @@ impl Sure {
         work: &Work<'_>,
     ) -> Option<Self> {
         let least = &ends[0];
-        let freedom = least.residuals.len().saturating_sub(layout.roles.len()).max(1) as f64;
-        let reduced = least.sum / freedom;
-        let together = layout.frames_together(least)?;
-        let factor = if together > 1.0 { together * TAKEN_UP.powi(2) } else { 1.0 };
+        let Variance { reduced, factor, together, freedom } = Variance::of(layout, least)?;
         let unit = (factor * reduced).max(f64::MIN_POSITIVE);
         let independent = least.residuals.len() as f64 / together - shown.len() as f64;
         let at_ends = rise_at_ends(if together > 1.0 { independent.max(FEWEST) } else { freedom });
@@ -73,6 +76,23 @@ impl Sure {
             .collect();
         let profiles = profiles.into_iter().collect::<Option<Vec<_>>>()?;
         Some(Self { profiles, covariance, unit, at_ends, reduced, factor })
+    }
+}
+
+/// The variance of residuals, and by how much a misfit raises it for intervals.
+struct Variance {
+    reduced: f64,
+    factor: f64,
+    together: f64,
+    freedom: f64,
+}
+
+impl Variance {
+    fn of(layout: &Layout, least: &Least) -> Option<Self> {
+        let freedom = least.residuals.len().saturating_sub(layout.roles.len()).max(1) as f64;
+        let together = layout.frames_together(least)?;
+        let factor = if together > 1.0 { together * TAKEN_UP.powi(2) } else { 1.0 };
+        Some(Self { reduced: least.sum / freedom, factor, together, freedom })
     }
 }
 

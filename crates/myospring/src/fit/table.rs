@@ -104,29 +104,38 @@ impl AtStiffness<'_> {
     fn middle(&self) -> &Equilibria {
         &self.by_stiffness[self.by_stiffness.len() / 2]
     }
+
+    /// A quantity and its derivative by the tension, from those of the tables at equal tension over stiffness.
+    fn interpolated(
+        &self,
+        tension: f64,
+        of: impl Fn(&Equilibria, f64) -> Option<[f64; 2]>,
+    ) -> Option<[f64; 2]> {
+        let stiffness = self.stiffness;
+        let ratio = tension / stiffness;
+        if let [equilibria] = self.by_stiffness {
+            let [value, slope] = of(equilibria, ratio)?;
+            return Some([value, slope / stiffness]);
+        }
+        let part = f64::midpoint(stiffness.ln() / STIFFEST.ln(), 1.0);
+        let place = part * (STIFFNESSES - 1) as f64;
+        let first = (place as usize).saturating_sub(1).min(STIFFNESSES - 4);
+        let mut sum = [0.0; 2];
+        for k in first..first + 4 {
+            let others = (first..first + 4).filter(|j| *j != k);
+            let weight: f64 = others.map(|j| (place - j as f64) / (k as f64 - j as f64)).product();
+            let [value, slope] = of(&self.by_stiffness[k], ratio * factor(k))?;
+            sum[0] += weight * value;
+            sum[1] += weight * slope * factor(k) / stiffness;
+        }
+        Some(sum)
+    }
 }
 
 impl TensionResponse for AtStiffness<'_> {
     fn shortening(&self, tension: f64) -> [f64; 2] {
-        let stiffness = self.stiffness;
-        let ratio = tension / stiffness;
-        let [equilibria] = self.by_stiffness else {
-            let part = f64::midpoint(stiffness.ln() / STIFFEST.ln(), 1.0);
-            let place = part * (STIFFNESSES - 1) as f64;
-            let first = (place as usize).saturating_sub(1).min(STIFFNESSES - 4);
-            let mut sum = [0.0; 2];
-            for k in first..first + 4 {
-                let others = (first..first + 4).filter(|j| *j != k);
-                let weight: f64 =
-                    others.map(|j| (place - j as f64) / (k as f64 - j as f64)).product();
-                let [value, slope] = self.by_stiffness[k].shortening(ratio * factor(k));
-                sum[0] += weight * value;
-                sum[1] += weight * slope * factor(k) / stiffness;
-            }
-            return sum;
-        };
-        let [value, slope] = equilibria.shortening(ratio);
-        [value, slope / stiffness]
+        let of = |equilibria: &Equilibria, tension| Some(equilibria.shortening(tension));
+        self.interpolated(tension, of).unwrap_or([f64::NAN; 2])
     }
 
     fn steepest(&self) -> f64 {
@@ -139,6 +148,10 @@ impl TensionResponse for AtStiffness<'_> {
 
     fn stretch(&self, shortening: f64) -> f64 {
         self.middle().stretch(shortening)
+    }
+
+    fn load(&self, name: &str, tension: f64) -> Option<[f64; 2]> {
+        self.interpolated(tension, |equilibria, tension| equilibria.load(name, tension))
     }
 }
 

@@ -13,6 +13,8 @@ pub enum Unknown {
     TensionOverStiffness,
     /// Every elastic constant of the cell, by its Young's modulus; only with a known load.
     YoungModulus,
+    /// Peak of the active tension: the product of the two, which is reported where both are sought.
+    PeakTension,
     /// A parameter of the cell model.
     Parameter(String),
 }
@@ -32,6 +34,7 @@ impl Unknown {
         match self {
             Self::TensionOverStiffness => "tension_over_stiffness",
             Self::YoungModulus => "young_modulus",
+            Self::PeakTension => "peak_tension",
             Self::Parameter(name) => name,
         }
     }
@@ -40,7 +43,7 @@ impl Unknown {
     pub(super) fn usual(&self) -> [f64; 2] {
         match self {
             // A wide range: on gels it is a hundredth of that of free cells.
-            Self::TensionOverStiffness => [1e-4, 1e4],
+            Self::TensionOverStiffness | Self::PeakTension => [1e-4, 1e4],
             Self::YoungModulus => super::table::STIFFNESS_BOUNDS,
             Self::Parameter(_) => [1.0 / USUAL, USUAL],
         }

@@ -5,12 +5,15 @@ use super::observed::Scale;
 use super::unknown::Unknown;
 use crate::analysis::curve::clipped;
 use crate::cell::CellModel;
+use crate::mechanics::support::SupportKind;
+use crate::simulation::Simulation;
 
 /// The largest number of left-out stretches that are listed.
 const LISTED: usize = 5;
 
 /// Verdicts for the reader, the most important first.
-pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<String> {
+pub(super) fn verdicts(fit: &Fit, simulation: &Simulation, modulus: f64) -> Vec<String> {
+    let cell = &*simulation.cell;
     let model = cell.name();
     let mut words = Vec::new();
     let off = fit.curves.iter().filter(|curve| curve.verdict() != FitVerdict::Fits);
@@ -45,9 +48,27 @@ pub(super) fn verdicts(fit: &Fit, cell: &dyn CellModel, modulus: f64) -> Vec<Str
                 .to_owned(),
         );
     } else if !free(&Unknown::YoungModulus) && free(&Unknown::TensionOverStiffness) {
-        words.push(of_ratio(modulus));
+        words.push(of_ratio(modulus, simulation.support));
+    }
+    if fit.curves.iter().any(|curve| matches!(curve.scale, Scale::Load(_))) {
+        words.extend(of_forces(fit));
     }
     words
+}
+
+/// What a fit to forces on gels determines.
+fn of_forces(fit: &Fit) -> Vec<String> {
+    let modulus = fit.estimate(Unknown::YoungModulus.name());
+    let is_open = |estimate: &Estimate| {
+        !matches!(estimate.verdict, Verdict::Determined | Verdict::DoesNotFit)
+    };
+    let open = modulus.filter(|modulus| is_open(modulus)).map(|_| {
+        "the shape and the force on one gel hardly show how stiff the cell itself is. A shape of the free cell, or a force on a gel of \
+         another stiffness, does"
+            .to_owned()
+    });
+    let scale = "forces on a gel are proportional to its Young's modulus: if that is 10 % off, so are tension and stiffness in kPa";
+    open.into_iter().chain([scale.to_owned()]).collect()
 }
 
 /// Which other models follow the curve as well as the one that was taken.
@@ -65,10 +86,16 @@ pub(super) fn not_told_apart(fit: &Fit) -> Option<String> {
 }
 
 /// Which number a length determines.
-fn of_ratio(modulus: f64) -> String {
+fn of_ratio(modulus: f64, support: SupportKind) -> String {
+    let modulus = (1e4 * modulus).round() / 1e4;
+    if support.gives_way() {
+        return format!(
+            "the curve shows how far the cell shortens against its load, not how stiff the cell itself is; values in kPa assume a \
+             Young's modulus of {modulus} kPa for the cell"
+        );
+    }
     format!(
-        "the curve determines the ratio of tension to stiffness, not either one; values in kPa assume a Young's modulus of {} kPa",
-        (1e4 * modulus).round() / 1e4
+        "the curve determines the ratio of tension to stiffness, not either one; values in kPa assume a Young's modulus of {modulus} kPa"
     )
 }
 
@@ -81,7 +108,7 @@ pub(super) fn of_peak(shortening_pct: f64) -> String {
 }
 
 /// What a reader of a cell's own tension must know.
-pub(super) fn of_own_tension(fit: &Fit, modulus: f64) -> Vec<String> {
+pub(super) fn of_own_tension(fit: &Fit, modulus: f64, support: SupportKind) -> Vec<String> {
     let Some(own) = &fit.own_tension else { return Vec::new() };
     let mut words = vec![OF_OWN_TENSION.to_owned()];
     if own.rest_raised > 0.0 {
@@ -100,7 +127,7 @@ pub(super) fn of_own_tension(fit: &Fit, modulus: f64) -> Vec<String> {
         ));
     }
     words.extend(of_frames(fit));
-    words.push(of_ratio(modulus));
+    words.push(of_ratio(modulus, support));
     words
 }
 

@@ -3,9 +3,12 @@
 use myospring::fit::{
     Fit, FitSettings, FitVerdict, Fitter, Loaded, Observed, Scale, Stimuli, Unknown, Verdict,
 };
+use myospring::integrate::Method;
+use myospring::mechanics::gel::Gel;
 use myospring::mechanics::material::Stiffness;
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::lattice;
+use myospring::recording::AXIAL_FORCE;
 use myospring::run_file::RunFile;
 use myospring::settings::Run;
 use myospring::simulation::{Outcome, Simulation};
@@ -90,7 +93,7 @@ fn stiffness_shows_under_a_known_load_alone() {
             "[shape]\nspacing = \"5 um\"\n[mechanics]\nsupport = \"spring-held-ends\"\nend_stiffness = \"{stiffness} nN/um\""
         );
         let values = self::fitter(&text).curve(&[], LENGTH, &times()).unwrap();
-        Loaded { support, observed: observed(with_noise(&values, 0.1, 7), Scale::Length) }
+        Loaded::exact(support, observed(with_noise(&values, 0.1, 7), Scale::Length))
     };
     let unloaded = Loaded { support: SupportKind::MassCentre, ..between(100.0) };
     let unloaded =
@@ -111,6 +114,73 @@ fn stiffness_shows_under_a_known_load_alone() {
         assert!(deviation < 0.7 * before);
         before = deviation;
     }
+}
+
+/// The built-in cell of 154 kPa and 30 kPa under this support: its length, and the force along its axis on a gel.
+fn pulling(support: SupportKind) -> [Vec<f64>; 2] {
+    let run = run("[shape]\nspacing = \"7 um\"");
+    let bytes = run.shape.bytes(|path| std::fs::read(path)).unwrap();
+    let shaped = run.shape.mesh(&bytes).unwrap();
+    let made = run.make(shaped, |path| std::fs::read(path)).unwrap().simulation;
+    let mut simulation = Simulation { support, duration: 650.0, peak_tension: 30.0, ..made };
+    simulation.material.stiffness = Stiffness::YoungModulus(154.0);
+    simulation.material.area_modulus *= 0.5;
+    simulation.numerics.method = Method::QuasiStatic;
+    let recording = simulation.build().unwrap().run(|_| true).recording;
+    let at = |values: &dyn Fn(usize) -> f64| {
+        let samples = &recording.samples;
+        let place = |time: f64| samples.partition_point(|sample| sample.t_ms < time);
+        times().into_iter().map(|time| values(place(time).min(samples.len() - 1))).collect()
+    };
+    let force = recording.signals.iter().find(|signal| signal.name == AXIAL_FORCE);
+    [
+        at(&|place| recording.samples[place].length_um),
+        force.map_or_else(Vec::new, |force| at(&|place| force.values[place])),
+    ]
+}
+
+#[test]
+fn a_force_on_a_gel_gives_tension_and_stiffness_in_kpa() {
+    let gel = |modulus: f64| SupportKind::Gel(Gel::half_space(modulus));
+    let fitter = fitter("[shape]\nspacing = \"7 um\"");
+    let settings = free(&["tension_over_stiffness", "young_modulus"]);
+    let settings = FitSettings { starts: 2, ..settings };
+    let shape = |support, seed| {
+        let [length, _] = pulling(support);
+        Loaded::exact(support, observed(with_noise(&length, 0.1, seed), Scale::Length))
+    };
+    let force = |support, seed| {
+        let [_, force] = pulling(support);
+        let noise = 0.02 * force.iter().copied().fold(0.0, f64::max);
+        let values = with_noise(&force, noise, seed);
+        let observed = Observed { unit: "nN".into(), ..observed(values, Scale::Load(AXIAL_FORCE)) };
+        Loaded { support, observed, scale_error: 0.05 }
+    };
+    let sure = |curves: &[Loaded]| {
+        let fit = fitter.fit_loaded(curves, &settings, &|_| true).unwrap().unwrap();
+        [("young_modulus", 154.0), ("peak_tension", 30.0)].map(|(name, truth)| {
+            let found = fit.estimate(name).unwrap();
+            let [low, high] = found.interval;
+            let [low, high] = [low.unwrap_or(0.0), high.unwrap_or(f64::INFINITY)];
+            assert!(low < truth && truth < high, "{name} {low} to {high}, truth {truth}");
+            high / low
+        })
+    };
+    let free_cell = sure(&[shape(SupportKind::MassCentre, 1), force(gel(10.0), 2)]);
+    // At equal tension over stiffness, the force changes with the stiffness to the power of the part of the shortening that the
+    // gel takes: the error of its scale, 1.96 standard deviations either way, counts that much more.
+    let shortening = |support| {
+        let [length, _] = pulling(support);
+        1.0 - length.iter().copied().fold(f64::INFINITY, f64::min) / length[0]
+    };
+    let taken = 1.0 - shortening(gel(10.0)) / shortening(SupportKind::MassCentre);
+    let expected = 2.0 * 1.96 * 0.05 / taken;
+    for width in free_cell {
+        assert!((width.ln() / expected - 1.0).abs() < 0.3, "{width}, {expected}");
+    }
+    // Shape and force on one gel follow from each other.
+    let one_gel = sure(&[shape(gel(10.0), 3), force(gel(10.0), 4)]);
+    assert!(one_gel.iter().all(|width| *width > 4.0), "{one_gel:?}");
 }
 
 /// A cell of 140 um with a section of 157 um^2 that shortens by 12 %.
@@ -134,7 +204,7 @@ fn modulus_and_tension_under_known_loads_are_as_sure_as_an_independent_program_f
     let curve = |support: SupportKind, seed: u64| {
         let values = Fitter::new(bar(support)).unwrap().curve(&[], 140.0, &times()).unwrap();
         let observed = observed(with_noise(&values, NOISE, seed), Scale::Length);
-        Loaded { support, observed: Observed { name: format!("{support:?}"), ..observed } }
+        Loaded::exact(support, Observed { name: format!("{support:?}"), ..observed })
     };
     let springs = |stiffness: f64| SupportKind::SpringHeldEnds { stiffness };
     let settings = FitSettings { starts: 2, ..free(&["tension_over_stiffness", "young_modulus"]) };

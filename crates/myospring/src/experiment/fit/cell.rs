@@ -325,7 +325,8 @@ impl FittableCell {
 
     fn with_loaded(&self, observed: Observed) -> Vec<Loaded> {
         let support = self.first().fitter.simulation().support;
-        [Loaded { support, observed }].into_iter().chain(self.loaded.iter().cloned()).collect()
+        let own = Loaded::exact(support, observed);
+        std::iter::once(own).chain(self.loaded.iter().cloned()).collect()
     }
 }
 

@@ -117,7 +117,7 @@ pub fn between_springs(
     }
     let mut observed = observed(curve, beats, None)?;
     observed.name = format!("{stiffness} nN/um");
-    Ok(Loaded { support: SupportKind::SpringHeldEnds { stiffness }, observed })
+    Ok(Loaded::exact(SupportKind::SpringHeldEnds { stiffness }, observed))
 }
 
 /// A curve as a fit sees it.

@@ -2,6 +2,7 @@
 
 use super::calcium::RecordedCalcium;
 use super::curves::EndSprings;
+use super::traction::TractionCurve;
 use crate::experiment::BeatOptions;
 use crate::experiment::input::ChosenSetting;
 use crate::experiment::refused::Place;
@@ -25,6 +26,10 @@ pub struct FitCell {
     pub beats: BeatOptions,
     /// Curves of the same cell between springs.
     pub loaded: Vec<EndSprings>,
+    /// Forces of the same cell on gels.
+    pub traction: Vec<TractionCurve>,
+    /// Relative standard deviation of the scale of these forces; `None`: [`SCALE_ERROR`](super::SCALE_ERROR).
+    pub traction_error: Option<f64>,
     /// Calcium that was recorded together with the curve.
     pub calcium: RecordedCalcium,
     /// Which numbers are fitted.

@@ -185,6 +185,7 @@ fn meaning(estimate: &Estimate, fit: &Fit, model: &dyn CellModel) -> String {
                 .to_owned()
         }
         Some(Unknown::YoungModulus) => "Young's modulus of the cell along its fibres".to_owned(),
+        Some(Unknown::PeakTension) => "peak of the active tension".to_owned(),
         Some(Unknown::Parameter(name)) => {
             let rows = model.parameters().rows();
             rows.iter()

@@ -1,6 +1,7 @@
 //! Fits as tables, and as figures have them.
 
 use super::cell::FittedCell;
+use super::traction;
 use crate::fit::{
     self, Estimate, Fit, FitVerdict, Left, MeanBeat, OwnTension, RecordedCourse, TriedModel,
 };
@@ -25,7 +26,15 @@ pub(super) fn curves(fit: &Fit) -> Table {
             .flat_map(|curve| curve.times_ms.iter().map(|_| Some(curve.name.clone())));
         columns.push(Column::Text { name: "curve".to_owned(), values: names.collect() });
     }
-    let unit = fit.curves.first().map_or("", |curve| curve.unit.as_str());
+    if fit.curves.iter().any(|curve| curve.unit != fit.curves[0].unit) {
+        let units = fit
+            .curves
+            .iter()
+            .flat_map(|curve| curve.times_ms.iter().map(|_| Some(curve.unit.clone())));
+        columns.push(Column::Text { name: "unit".to_owned(), values: units.collect() });
+    }
+    let is_one = columns.len() < 2;
+    let unit = fit.curves.first().filter(|_| is_one).map_or("", |curve| curve.unit.as_str());
     columns.push(number("t_ms".to_owned(), all(&|curve| curve.times_ms.clone())));
     columns.push(number(column_name("measured", unit), all(&|curve| curve.measured.clone())));
     columns.push(number(column_name("fitted", unit), all(&|curve| curve.fitted.clone())));
@@ -188,6 +197,7 @@ pub(super) fn drawn(fit: &Fit) -> Vec<DrawnFit> {
             fit::Scale::Length => "Length",
             fit::Scale::Percent => "Shortening",
             fit::Scale::Arbitrary => "Contraction",
+            fit::Scale::Load(load) => traction::label(load),
         };
         let label = if unit.is_empty() { what.to_owned() } else { format!("{what} ({unit})") };
         DrawnFit {
