@@ -94,7 +94,7 @@ pub(crate) struct TableArgs {
     #[arg(long, value_name = "NAME|N")]
     pub(crate) time: Option<String>,
     /// Kind of the curves: length, sarcomere-length, normalised-length, shortening, contraction,
-    /// force, tension, calcium, calcium-ratio, fluorescence, potential or unknown [default: by the
+    /// force, tension, moment, calcium, calcium-ratio, fluorescence, potential or unknown [default: by the
     /// columns' names]
     #[arg(long, value_name = "KIND")]
     pub(crate) kind: Option<String>,

@@ -22,6 +22,8 @@ pub enum Kind {
     Force,
     /// Active tension, force over cross-section, kPa; rises in a beat.
     Tension,
+    /// Contractile moment of tractions on a gel, fJ (nN um); rises in a beat.
+    Moment,
     /// Concentration of calcium, uM; rises in a beat.
     Calcium,
     /// Ratio of two fluorescences that rises with calcium.
@@ -40,7 +42,7 @@ pub enum Kind {
 pub enum Family {
     /// Lengths, shortening and other motion.
     Contraction,
-    /// Force and tension.
+    /// Force, tension and contractile moment.
     Tension,
     /// Calcium and its fluorescence.
     Calcium,
@@ -50,7 +52,7 @@ pub enum Family {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Length,
         Self::SarcomereLength,
         Self::NormalisedLength,
@@ -58,6 +60,7 @@ impl Kind {
         Self::Contraction,
         Self::Force,
         Self::Tension,
+        Self::Moment,
         Self::Calcium,
         Self::CalciumRatio,
         Self::Fluorescence,
@@ -75,6 +78,7 @@ impl Kind {
             Self::Contraction => "contraction",
             Self::Force => "force",
             Self::Tension => "tension",
+            Self::Moment => "moment",
             Self::Calcium => "calcium",
             Self::CalciumRatio => "calcium-ratio",
             Self::Fluorescence => "fluorescence",
@@ -105,6 +109,7 @@ impl Kind {
             Self::Contraction => "contraction",
             Self::Force => "force",
             Self::Tension => "tension",
+            Self::Moment => "contractile moment",
             Self::Calcium => "calcium",
             Self::CalciumRatio => "calcium ratio",
             Self::Fluorescence => "fluorescence",
@@ -131,7 +136,7 @@ impl Kind {
     /// The group of metrics that apply to it.
     pub const fn family(self) -> Family {
         match self {
-            Self::Force | Self::Tension => Family::Tension,
+            Self::Force | Self::Tension | Self::Moment => Family::Tension,
             Self::Calcium | Self::CalciumRatio | Self::Fluorescence => Family::Calcium,
             Self::Potential => Family::ActionPotential,
             _ => Family::Contraction,

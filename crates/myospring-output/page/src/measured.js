@@ -38,6 +38,7 @@ const KINDS = [
   ["contraction", "contraction, arbitrary units"],
   ["force", "force"],
   ["tension", "tension"],
+  ["moment", "contractile moment"],
   ["calcium", "calcium"],
   ["calcium-ratio", "calcium ratio"],
   ["fluorescence", "fluorescence"],

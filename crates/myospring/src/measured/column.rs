@@ -55,11 +55,12 @@ const WRITTEN: [(&str, &str); 16] = [
 const NEWTON: &str = "N";
 
 /// Dimensions of curves.
-const DIMENSIONS: [Dimension; 6] = [
+const DIMENSIONS: [Dimension; 7] = [
     Dimension::Time,
     Dimension::Length,
     Dimension::Pressure,
     Dimension::Force,
+    Dimension::Energy,
     Dimension::Concentration,
     Dimension::Voltage,
 ];
@@ -327,6 +328,8 @@ impl<'a> Name<'a> {
         self.length().or_else(|| self.calcium()).or_else(|| {
             if self.has(&["force"]) || unit == NEWTON {
                 Some(Kind::Force)
+            } else if self.has(&["moment"]) {
+                Some(Kind::Moment)
             } else if self.has(&["tension", "stress"])
                 || self.word(&["ta"]) && self.is_in(Dimension::Pressure)
             {
@@ -444,6 +447,8 @@ pub(super) fn scale(kind: Kind, unit: &str, pixel_um: Option<f64>) -> Result<Sca
         Kind::Force if matches!(unit, "" | "a.u.") => fixed(kind, 1.0, "a.u."),
         Kind::Force if unit == NEWTON => fixed(kind, 1e9, "nN"),
         Kind::Force => of(Dimension::Force, "nN"),
+        Kind::Moment if matches!(unit, "" | "a.u.") => fixed(kind, 1.0, "a.u."),
+        Kind::Moment => of(Dimension::Energy, "fJ"),
         Kind::Tension if matches!(unit, "" | "a.u.") => fixed(kind, 1.0, "a.u."),
         Kind::Tension => of(Dimension::Pressure, "kPa"),
         Kind::Calcium if matches!(unit, "" | "a.u.") => fixed(Kind::Fluorescence, 1.0, "a.u."),
@@ -489,6 +494,16 @@ mod tests {
             ("Speed of contraction (a.u.)", Other, "a.u."),
             ("width_um", Other, "um"),
             ("force_nN", Curve(Kind::Force), "nN"),
+            // The columns of `traction.csv`.
+            ("traction_force_nN", Curve(Kind::Force), "nN"),
+            ("axial_force_nN", Curve(Kind::Force), "nN"),
+            ("Traction force (\u{b5}N)", Curve(Kind::Force), "uN"),
+            ("contractile_moment_fJ", Curve(Kind::Moment), "fJ"),
+            ("Contractile moment [pJ]", Curve(Kind::Moment), "pJ"),
+            ("gel_energy_fJ", Other, "fJ"),
+            ("noise_floor_nN", Other, "nN"),
+            ("axial_noise_floor_nN", Other, "nN"),
+            ("moment (ms)", Contradicts(Kind::Moment), "ms"),
             ("ta_kPa", Curve(Kind::Tension), "kPa"),
             ("Stress (mN/mm2)", Curve(Kind::Tension), "mN/mm^2"),
             ("Ca_nM", Curve(Kind::Calcium), "nM"),
@@ -513,7 +528,7 @@ mod tests {
             ("Ftot [N]", Curve(Kind::Force), "N"),
             ("sarc.Sarc Const", Curve(Kind::SarcomereLength), ""),
             ("cell 1", Other, ""),
-            ("elastic_energy_fJ", Other, ""),
+            ("elastic_energy_fJ", Other, "fJ"),
             // Units of one letter, where the name agrees; else they are part of it.
             ("time_s", Time, "s"),
             ("length_m", Curve(Kind::Length), "m"),

@@ -9,7 +9,7 @@ pub struct Curve {
     pub name: String,
     /// Kind of its values.
     pub kind: Kind,
-    /// Unit of the values: `um`, `px`, `%`, `nN`, `kPa`, `uM`, `mV`, `a.u.`, or nothing for pure numbers.
+    /// Unit of the values: `um`, `px`, `%`, `nN`, `kPa`, `fJ`, `uM`, `mV`, `a.u.`, or nothing for pure numbers.
     pub unit: &'static str,
     /// Times in ms, increasing: those of the file, or frame number over frame rate, from 0 on.
     pub times_ms: Vec<f64>,
