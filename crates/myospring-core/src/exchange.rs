@@ -14,10 +14,12 @@
 //! [`WholeCell`] is one cell model for the whole cell, [`ByTriangle`] has one in each triangle.
 
 mod by_triangle;
+mod cell_course;
 mod crossbridges;
 mod whole_cell;
 
 pub use by_triangle::ByTriangle;
+pub(crate) use cell_course::CellCourse;
 pub use whole_cell::WholeCell;
 
 use crate::cell::Output;

@@ -41,6 +41,7 @@ mod quasi_static;
 mod ready;
 mod setup;
 mod shared;
+mod shared_cell;
 mod stop;
 mod strain;
 mod train;

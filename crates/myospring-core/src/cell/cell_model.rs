@@ -154,6 +154,12 @@ pub trait CellModel: Any + Send + Sync {
         false
     }
 
+    /// Whether another model certainly has the same equations and the same values of all parameters, so that both have the
+    /// same course in time; false by default, which costs time only.
+    fn is_same_as(&self, _other: &dyn CellModel) -> bool {
+        false
+    }
+
     /// How a free cell with the published parameters differs from measured cells; `None` by
     /// default.
     fn known_departure(&self) -> Option<KnownDeparture> {

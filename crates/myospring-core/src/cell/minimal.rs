@@ -30,6 +30,7 @@ use super::description::{
 use super::pacing::Stimulus;
 use super::tension::Tension;
 use crate::parameter::ParameterSet;
+use std::any::Any;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -218,6 +219,11 @@ impl CellModel for MinimalModel {
 
     fn tension_of_potential(&self) -> Option<&Tension> {
         Some(&self.tension)
+    }
+
+    fn is_same_as(&self, other: &dyn CellModel) -> bool {
+        let other: &dyn Any = other;
+        other.downcast_ref() == Some(self)
     }
 
     fn in_fits(&self) -> InFits<'_> {

@@ -15,6 +15,7 @@ use crate::cell::Filaments;
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::land_2017::{Myofilaments, STATES};
 use crate::cell::solve::SolveError;
+use std::sync::Arc;
 
 /// The places of both distortions among the states of the myofilaments.
 const ZETA: [usize; 2] = [4, 5];
@@ -73,21 +74,22 @@ impl Crossbridges {
     pub(super) fn advance(
         &mut self,
         kept: &CellIntegrator,
-        moved: &mut CellIntegrator,
+        moved: &mut Arc<CellIntegrator>,
         to_ms: f64,
         stretch: f64,
     ) -> Result<(), SolveError> {
         let over = to_ms - kept.time();
         let from = self.past.map_or(stretch, |[last, ..]| last);
         if self.reached != Some(to_ms) {
-            moved.clone_from(kept);
+            let mut cell = kept.clone();
             let [before, next] = &mut self.foretold;
             (*before, *next) = match self.past {
                 Some([last, one, two]) => (*before, 3.0 * (last - one) + two),
                 None => (stretch, stretch),
             };
             let rate = if over > 0.0 { (*next - *before) / over } else { 0.0 };
-            moved.advance_to(to_ms, f64::midpoint(*before, *next), rate)?;
+            cell.advance_to(to_ms, f64::midpoint(*before, *next), rate)?;
+            *moved = Arc::new(cell);
             self.reached = Some(to_ms);
         }
         self.moved = self.kept;

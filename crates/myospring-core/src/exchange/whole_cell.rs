@@ -1,5 +1,6 @@
 //! A cell model as the activation of a whole cell.
 
+use super::cell_course::CellCourse;
 use super::crossbridges::Crossbridges;
 use super::{
     Activation, ActivationBounds, ActivationError, ActivationTangent, Sites, StretchState,
@@ -16,8 +17,12 @@ use std::sync::Arc;
 /// One cell model for the whole cell.
 #[derive(Clone)]
 pub struct WholeCell {
-    kept: CellIntegrator,
-    moved: CellIntegrator,
+    kept: Arc<CellIntegrator>,
+    moved: Arc<CellIntegrator>,
+    /// Number of intervals that were kept.
+    intervals: usize,
+    /// The course that it shares with the cells of other runs.
+    course: Option<CellCourse>,
     /// Stretch and rate at the current time.
     input: Input,
     /// Crossbridges that are followed apart from the rest of the cell, which then goes on but once an interval.
@@ -50,10 +55,12 @@ impl WholeCell {
         let stimulus_times_ms = protocol.stimulus_times().collect();
         let s2_ms = protocol.s2_ms();
         let state = state.map_or_else(|| model.initial_state(), <[f64]>::to_vec);
-        let kept = CellIntegrator::starting_from(model, &state, protocol, settings)?;
+        let kept = Arc::new(CellIntegrator::starting_from(model, &state, protocol, settings)?);
         Ok(Self {
-            moved: kept.clone(),
+            moved: Arc::clone(&kept),
             kept,
+            intervals: 0,
+            course: None,
             input: Input::REST,
             crossbridges: None,
             scale,
@@ -70,6 +77,14 @@ impl WholeCell {
     #[must_use]
     pub fn at_resting_stretch(self, resting_stretch: f64) -> Self {
         Self { resting_stretch, ..self }
+    }
+
+    /// Returns the same on a course that it shares with the cells of other runs, unless it feels stretch. Their equations,
+    /// parameters, protocols, methods and starts must be the same.
+    #[must_use]
+    pub(crate) fn along(self, course: &CellCourse) -> Self {
+        let course = (!self.feels_stretch).then(|| course.clone());
+        Self { course, ..self }
     }
 
     /// The state that it was moved to.
@@ -126,14 +141,25 @@ impl Activation for WholeCell {
                 .advance(&self.kept, &mut self.moved, to_ms, stretch)
                 .map_err(failed);
         }
-        self.moved.clone_from(&self.kept);
+        if let Some(known) =
+            self.course.as_ref().and_then(|course| course.at(self.intervals, to_ms))
+        {
+            self.moved = known;
+            return Ok(());
+        }
+        let mut cell = CellIntegrator::clone(&self.kept);
         // Stretch in the middle of the interval; a linear course is accurate to second order.
         let middle = stretch - 0.5 * rate * (to_ms - self.kept.time());
-        self.moved.advance_to(to_ms, middle, rate).map_err(failed)
+        cell.advance_to(to_ms, middle, rate).map_err(failed)?;
+        self.moved = Arc::new(cell);
+        self.course =
+            self.course.take().filter(|course| course.keep(self.intervals, to_ms, &self.moved));
+        Ok(())
     }
 
     fn keep(&mut self) {
-        self.kept.clone_from(&self.moved);
+        self.kept = Arc::clone(&self.moved);
+        self.intervals += 1;
         if let Some(crossbridges) = &mut self.crossbridges {
             crossbridges.keep(self.input.stretch);
         }
@@ -198,5 +224,58 @@ impl Activation for WholeCell {
 
     fn boxed(&self) -> Box<dyn Activation> {
         Box::new(self.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell;
+
+    /// A cell of this model on a course, after some intervals of 0.25 ms under a stretch.
+    fn after(model: &str, course: &CellCourse, intervals: u32, stretch: f64) -> WholeCell {
+        let model = cell::model(model).unwrap();
+        let protocol = Protocol { start_ms: 1.0, ..Protocol::once(model.default_stimulus()) };
+        let bounds = ActivationBounds::default();
+        let cell =
+            WholeCell::new(model, None, protocol, SolverSettings::default(), 1.0, bounds).unwrap();
+        let mut cell = cell.along(course);
+        for interval in 1..=intervals {
+            let now = StretchState { stretch: &[stretch], rate: &[0.0] };
+            cell.advance(0.25 * f64::from(interval), now).unwrap();
+            cell.keep();
+        }
+        cell
+    }
+
+    #[test]
+    fn cells_on_one_course_are_the_same_cell_and_a_longer_run_goes_on() {
+        let course = CellCourse::default();
+        let first = after("coelho_2021", &course, 20, 1.0);
+        assert!(Arc::ptr_eq(&first.moved, &after("coelho_2021", &course, 20, 0.9).moved));
+        let longer = after("coelho_2021", &course, 40, 0.9);
+        let alone = after("coelho_2021", &CellCourse::default(), 40, 1.0);
+        assert_eq!((longer.moved.time(), longer.state()), (10.0, alone.state()));
+        assert!(longer.state()[0] > 0.5);
+    }
+
+    #[test]
+    fn intervals_of_another_length_leave_the_course() {
+        let course = CellCourse::default();
+        let _ = after("coelho_2021", &course, 20, 1.0);
+        let mut cell = after("coelho_2021", &course, 4, 1.0);
+        cell.advance(3.0, StretchState { stretch: &[1.0], rate: &[0.0] }).unwrap();
+        cell.keep();
+        assert!(cell.course.is_none());
+        let alone = after("coelho_2021", &CellCourse::default(), 12, 1.0);
+        assert_eq!((cell.moved.time(), cell.state()), (3.0, alone.state()));
+    }
+
+    #[test]
+    fn a_cell_that_feels_stretch_has_its_own_course() {
+        let course = CellCourse::default();
+        let first = after("land_2017", &course, 20, 1.0);
+        assert!(first.course.is_none());
+        assert_ne!(first.state(), after("land_2017", &course, 20, 0.9).state());
     }
 }

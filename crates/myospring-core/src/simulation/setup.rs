@@ -2,10 +2,11 @@
 
 use super::check::check_strongest;
 use super::gauges::Gauges;
+use super::shared_cell::SharedCell;
 use super::{SetupError, Simulation};
 use crate::analysis::shape::{self, ShapeMeter};
 use crate::cell::pacing::Protocol;
-use crate::cell::solve::{self, SolveError};
+use crate::cell::solve::SolveError;
 use crate::cell::{self, TensionKind};
 use crate::exchange::{Activation, ActivationBounds, ByTriangle, Sites, WholeCell};
 use crate::integrate::quasi_static::{Path, Tolerance};
@@ -68,13 +69,18 @@ impl Simulation {
     pub(super) fn set_up(&self) -> Result<Setup, SetupError> {
         self.check()?;
         self.interruption.check()?;
-        self.set_up_on(Arc::new(self.assembled_at_rest()?))
+        let assembly = Arc::new(self.assembled_at_rest()?);
+        self.set_up_on(assembly, &SharedCell::of(self))
     }
 
-    /// As [`Simulation::set_up`], after its checks, on forces that are already assembled.
-    pub(super) fn set_up_on(&self, assembly: Arc<Assembly>) -> Result<Setup, SetupError> {
+    /// As [`Simulation::set_up`], after its checks, on forces that are already assembled, with what is known of the cell.
+    pub(super) fn set_up_on(
+        &self,
+        assembly: Arc<Assembly>,
+        known: &SharedCell,
+    ) -> Result<Setup, SetupError> {
         self.interruption.check()?;
-        let (activation, strength) = self.activation()?;
+        let (activation, strength) = self.activation(known)?;
         let strongest = activation.strongest();
         check_strongest(strongest)?;
         let field = matches!(activation.sites(), Sites::PerElement(_));
@@ -90,7 +96,7 @@ impl Simulation {
     }
 
     /// The activation, and its strength relative to that which is scaled to the peak tension.
-    fn activation(&self) -> Result<(Box<dyn Activation>, f64), SetupError> {
+    fn activation(&self, known: &SharedCell) -> Result<(Box<dyn Activation>, f64), SetupError> {
         if let Some(activation) = &self.activation {
             return Ok((activation.boxed(), 1.0));
         }
@@ -98,7 +104,7 @@ impl Simulation {
             model: self.cell.name().to_owned(),
             cause: error.to_string(),
         };
-        let Strength { scale, strongest, relative } = self.strength().map_err(failed)?;
+        let Strength { scale, strongest, relative } = self.strength(known).map_err(failed)?;
         let strongest = ActivationBounds { tension: strongest, ..ActivationBounds::default() };
         let model = self.cell.clone();
         let settings = self.numerics.cell;
@@ -115,7 +121,7 @@ impl Simulation {
         }
         let cell = WholeCell::new(model, start, self.protocol, settings, scale, strongest);
         let cell = cell.map_err(failed)?.at_resting_stretch(self.mean_resting_stretch());
-        Ok((Box::new(cell), relative))
+        Ok((Box::new(cell.along(&known.course)), relative))
     }
 
     /// The protocol of each triangle: if the stimulus travels, it starts when it arrives.
@@ -153,13 +159,7 @@ impl Simulation {
 
     /// How strong the cell model is. With published parameters this needs no beat; tension in kPa
     /// is not scaled.
-    fn strength(&self) -> Result<Strength, SolveError> {
-        let own = || match solve::reference_beat(&*self.cell, self.numerics.cell) {
-            Ok(beat) => Ok(beat.peak_tension),
-            // A tension too weak or too slow to peak is not an error here.
-            Err(SolveError::NoPeak { value, .. }) => Ok(value.max(0.0)),
-            Err(error) => Err(error),
-        };
+    fn strength(&self, known: &SharedCell) -> Result<Strength, SolveError> {
         let scaled = |peak: f64, highest: f64| Strength {
             scale: self.peak_tension / peak,
             strongest: self.peak_tension * (highest / peak).max(1.0),
@@ -167,7 +167,7 @@ impl Simulation {
         };
         Ok(match self.cell.tension_kind() {
             TensionKind::Kilopascal => {
-                let strongest = self.cell.given_peak().map_or_else(own, Ok)?;
+                let strongest = self.cell.given_peak().map_or_else(|| known.peak(), Ok)?;
                 Strength { scale: 1.0, strongest, relative: 1.0 }
             }
             TensionKind::None => {
@@ -176,7 +176,7 @@ impl Simulation {
             TensionKind::Relative { published_peak } if cell::is_as_published(&*self.cell) => {
                 scaled(published_peak, published_peak)
             }
-            TensionKind::Relative { published_peak } => scaled(published_peak, own()?),
+            TensionKind::Relative { published_peak } => scaled(published_peak, known.peak()?),
         })
     }
 

@@ -1,18 +1,22 @@
-//! Mechanics that many runs share: the path of equilibria depends only on the mesh and its forces.
+//! What many runs share: the path of equilibria depends only on the mesh and its forces, and the course of a cell that
+//! does not feel stretch only on the cell.
 
 use super::equilibria::Equilibria;
 use super::quasi_static::PreparedPath;
+use super::shared_cell::SharedCell;
 use super::{SettingError, SetupError, Simulation};
 use crate::integrate::quasi_static::Tolerance;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// One mesh with its forces, and its path of equilibria as far as its runs have needed it.
+/// One mesh with its forces, and its path of equilibria as far as its runs have needed it; with it the course of the last
+/// cell, unless that feels stretch.
 ///
-/// Runs on several threads may share it. The path to a tension is the start of any longer one, so a
-/// run has the same bits as without sharing.
+/// Runs on several threads may share it. The path to a tension is the start of any longer one, and so is the course of a
+/// cell, so a run has the same bits as without sharing.
 pub struct SharedPath {
     simulation: Simulation,
     solved: Mutex<Equilibria>,
+    cell: Mutex<SharedCell>,
 }
 
 impl Simulation {
@@ -39,7 +43,8 @@ impl Simulation {
     /// ```
     pub fn shared_path(&self, tolerance: Tolerance) -> Result<SharedPath, SetupError> {
         let solved = Mutex::new(self.equilibria_at_rest(tolerance)?);
-        Ok(SharedPath { simulation: self.clone(), solved })
+        let cell = Mutex::new(SharedCell::of(self));
+        Ok(SharedPath { simulation: self.clone(), solved, cell })
     }
 }
 
@@ -58,11 +63,36 @@ impl SharedPath {
             }));
         }
         let assembly = Arc::clone(&self.solved().held.assembly);
-        let setup = simulation.set_up_on(assembly)?;
+        let setup = simulation.set_up_on(assembly, &self.cell_of(simulation))?;
         setup.check_path()?;
         let mut solved = self.solved();
         solved.extend_to(simulation, setup.peak())?;
         Ok(PreparedPath { setup, equilibria: solved.clone() })
+    }
+
+    /// Returns this path where it has the mechanics of a simulation, and else a new one, which takes over what is known of
+    /// the cell.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::shared_path`].
+    pub fn for_mechanics_of(
+        self,
+        simulation: &Simulation,
+        tolerance: Tolerance,
+    ) -> Result<Self, SetupError> {
+        if self.has_mechanics_of(simulation) {
+            return Ok(self);
+        }
+        Ok(Self { cell: self.cell, ..simulation.shared_path(tolerance)? })
+    }
+
+    /// The cell of a simulation, with what is known of it; from now on it is the last one.
+    fn cell_of(&self, simulation: &Simulation) -> SharedCell {
+        let mut cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
+        if !cell.is_that_of(simulation) {
+            *cell = SharedCell::of(simulation);
+        }
+        cell.clone()
     }
 
     fn solved(&self) -> MutexGuard<'_, Equilibria> {
@@ -70,7 +100,7 @@ impl SharedPath {
     }
 
     /// Whether the mechanics of a simulation are the shared ones.
-    pub fn has_mechanics_of(&self, other: &Simulation) -> bool {
+    fn has_mechanics_of(&self, other: &Simulation) -> bool {
         let own = &self.simulation;
         own.mesh == other.mesh
             && own.long_axis == other.long_axis

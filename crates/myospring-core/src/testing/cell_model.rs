@@ -91,6 +91,13 @@ fn check_parameters(model: &dyn CellModel) {
         for bad in [f64::NAN, f64::INFINITY] {
             assert!(set.set(parameter, bad).is_err(), "{name}: {parameter} accepts {bad}");
         }
+        let other = if row.value == row.minimum { row.maximum } else { row.minimum };
+        if set.set(parameter, other).is_ok()
+            && let Ok(changed) = model.with_parameters(set)
+        {
+            let is_same = model.is_same_as(&*changed) || changed.is_same_as(model);
+            assert!(!is_same, "{name}: is the same with another {parameter}");
+        }
     }
     if !model.parameters().rows().is_empty() {
         let empty = crate::parameter::ParameterSet::new(Vec::new());

@@ -26,6 +26,7 @@ mod parts;
 mod quasi_static;
 mod rhythm;
 mod s1_s2;
+mod shared_runs;
 mod solid;
 mod supports;
 mod tor_ord;

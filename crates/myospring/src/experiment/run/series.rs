@@ -9,8 +9,9 @@ use crate::settings::{Shape, ShapeBytes, Shaped};
 use crate::simulation::{Ready, SetupError, SharedPath, Simulation};
 use crate::study::sha256;
 
-/// Keeps what the next run may share with the last one: the meshed shape, and the path of equilibria, which cell model,
-/// strength and pacing do not change. Each run has the bits that it has alone.
+/// Keeps what the next run may share with the last one: the meshed shape; the path of equilibria, which cell model,
+/// strength and pacing do not change; the course of a cell that does not feel stretch, which strength and mechanics do
+/// not change. Each run has the bits that it has alone.
 #[derive(Default)]
 pub struct RunSeries {
     shape: Option<(Shape, ShapeBytes, Shaped)>,
@@ -46,8 +47,8 @@ impl RunSeries {
         {
             return simulation.build();
         }
-        let path = match self.path.take().filter(|path| path.has_mechanics_of(simulation)) {
-            Some(path) => path,
+        let path = match self.path.take() {
+            Some(path) => path.for_mechanics_of(simulation, Tolerance::default())?,
             None => simulation.shared_path(Tolerance::default())?,
         };
         let path = self.path.insert(path);
