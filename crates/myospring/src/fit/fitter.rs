@@ -32,6 +32,8 @@ const START: f64 = 1.8;
 const TOLD_APART: f64 = 0.95;
 /// Equilibria are solved up to this multiple of the measured shortening.
 const MARGIN: f64 = 2.0;
+/// Shortening of a cell whose curves do not show it.
+const UNKNOWN: f64 = 0.25;
 /// Beats before the recorded ones in a train that began earlier: enough for it to be steady.
 const BEFORE: usize = 10;
 /// A profile that is this far below the answer has found a better one; this many better ones are
@@ -280,10 +282,7 @@ impl Fitter {
         let work = Work::new(goes_on, &self.simulation.interruption);
         let mut best: Option<Found> = None;
         for (number, &before) in paced.iter().enumerate() {
-            let sources = curves
-                .iter()
-                .map(|curve| self.source(curve, &unknowns, before))
-                .collect::<Result<Vec<_>, _>>()?;
+            let sources = self.sources(curves, &unknowns, before)?;
             // For a slow cell model only a start from rest is computed.
             if before > 0 && sources.iter().all(|source| source.contraction.is_slow()) {
                 continue;
@@ -317,11 +316,29 @@ impl Fitter {
         Ok(fit.map(|fit| Fit { beats_before: before, ..fit }))
     }
 
+    /// Each curve with the cell that makes it.
+    pub(super) fn sources(
+        &self,
+        curves: &[Loaded],
+        unknowns: &[Unknown],
+        before: usize,
+    ) -> Result<Vec<Source>, FitError> {
+        let (mut sources, mut shape): (Vec<Source>, Option<f64>) = (Vec::new(), None);
+        for curve in curves {
+            let source = self.source(curve, unknowns, before, shape)?;
+            shape = source.shortening().into_iter().chain(shape).reduce(f64::max);
+            sources.push(source);
+        }
+        Ok(sources)
+    }
+
+    /// A curve with the cell that makes it; `shape` is the largest shortening of the curves before it.
     pub(super) fn source(
         &self,
         curve: &Loaded,
         unknowns: &[Unknown],
         before: usize,
+        shape: Option<f64>,
     ) -> Result<Source, FitError> {
         let observed = curve.observed.clone();
         let frames = observed.frames()?;
@@ -333,7 +350,12 @@ impl Fitter {
         } else {
             (end - first).max(ONE_BEAT)
         };
-        let up_to = shortening(observed.scale, frames.rest, frames.reach).unwrap_or(0.25);
+        let up_to = match observed.scale {
+            // The cell pulls at a gel while it shortens no more than its shape shows.
+            Scale::Load(_) => shape,
+            scale => shortening(scale, frames.rest, frames.reach),
+        };
+        let up_to = up_to.unwrap_or(UNKNOWN);
         let simulation = Simulation { support: curve.support, ..self.simulation.clone() };
         let train = Train { before, beats: stimuli.len(), cycle_ms: cycle };
         let up_to = (MARGIN * up_to).clamp(0.02, 0.8);

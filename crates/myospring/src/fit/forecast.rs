@@ -3,7 +3,7 @@
 use super::contraction::Contraction;
 use super::error::FitError;
 use super::fitter::{Fitter, Loaded};
-use super::problem::{Layout, Role, Source};
+use super::problem::{Layout, Role};
 use super::settings::FitSettings;
 use super::unknown::Unknown;
 use crate::clock::Stopwatch;
@@ -52,14 +52,12 @@ impl Fitter {
         let (all, timed) = curves.iter().fold((0, 0), |(all, timed), curve| {
             (all + beats(curve), timed + beats(curve).min(TIMED))
         });
-        let sources = curves
-            .iter()
-            .map(|curve| {
-                let observed = curve.observed.first_beats(TIMED);
-                let start = Loaded { observed, ..curve.clone() };
-                self.source(&start, &unknowns, 0)
-            })
-            .collect::<Result<Vec<Source>, _>>()?;
+        let first = |curve: &Loaded| {
+            let observed = curve.observed.first_beats(TIMED);
+            Loaded { observed, ..curve.clone() }
+        };
+        let starts: Vec<Loaded> = curves.iter().map(first).collect();
+        let sources = self.sources(&starts, &unknowns, 0)?;
         let layout = Layout::new(sources, &sought);
         let at = vec![0.0; layout.roles.len()];
         let begun = Stopwatch::start();

@@ -255,7 +255,7 @@ mod tests {
         let unknowns: Vec<Unknown> = free.iter().map(|name| Unknown::named(name)).collect();
         let scale_error = if matches!(scale, Scale::Load(_)) { 0.05 } else { 0.0 };
         let loaded = Loaded { support, observed, scale_error };
-        let mut source = fitter.source(&loaded, &unknowns, 0).unwrap();
+        let mut source = fitter.source(&loaded, &unknowns, 0, Some(0.1)).unwrap();
         source.used[17] = false;
         let usual = |unknown: &Unknown| match unknown {
             Unknown::Parameter(name) => fitter.simulation().cell.parameters().get(name).unwrap(),
