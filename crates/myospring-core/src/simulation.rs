@@ -189,6 +189,9 @@ pub struct Simulation {
     pub active: ActiveLaw,
     /// Support of the cell.
     pub support: SupportKind,
+    /// How strongly each node adheres to a gel, where the support lets it: 0 is not at all, 1 with the stiffness of the
+    /// adhesion, if it gives way. `None` is 1 everywhere, and the only choice without a gel.
+    pub adhesion: Option<Vec<f64>>,
     /// Distance of clamped ends relative to that of the cell at rest, a pure number: above 1 the cell is stretched
     /// before it beats. 1 with any other support.
     pub end_stretch: f64,
@@ -229,6 +232,7 @@ impl Simulation {
             material: default_material(),
             active: ActiveLaw::Fibre,
             support: SupportKind::MassCentre,
+            adhesion: None,
             end_stretch: 1.0,
             duration: 600.0,
             numerics: Numerics::default(),

@@ -121,6 +121,20 @@ def test_a_cell_pulls_on_its_gel_with_the_forces_that_its_curves_add_up(cell, be
     assert np.abs(forces.sum(axis=1)).max() < 1e-6 * total.max()
 
 
+def test_on_a_gel_a_table_says_where_the_cell_adheres_and_an_integrator_that_is_stated_is_taken(cell, tmp_path):
+    table = tmp_path / "adhesions.csv"
+    table.write_text("x_um,y_um,adhesion\n0,0,0.5\n")
+    gel = {"support": "gel", "gel_modulus_kpa": 10}
+    by_table = myospring.simulate(cell, **gel, adhesion=table, adhesion_stiffness_kpa_per_um=4)
+    softer = myospring.simulate(cell, **gel, adhesion_stiffness_kpa_per_um=2)
+    np.testing.assert_allclose(by_table.length_um, softer.length_um, rtol=1e-5)
+    assert "integrator = \"quasi-static\"" in softer.run_file
+    # A stimulus at once, and no more than the start of the beat: each step in time solves for the gel.
+    start = {"stimulus_start_ms": 0, "duration_ms": 1}
+    in_time = myospring.simulate(cell, **gel, **start, integrator="verlet")
+    assert "integrator = \"verlet\"" in in_time.run_file
+
+
 def test_parameters_of_a_model_change_its_action_potential():
     published = myospring.action_potential("coelho_2021")
     tau = myospring.parameters("coelho_2021")["tau_si"]

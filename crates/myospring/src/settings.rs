@@ -20,12 +20,14 @@
 //! assert_eq!(thickness.default(), Some("10 um".into()));
 //! ```
 
+mod adhesion;
 mod bounds;
 mod calcium;
 mod content;
 mod fibres;
 mod models;
 mod number;
+mod overlay;
 mod places;
 mod problem;
 mod rows;
@@ -38,12 +40,14 @@ mod tension;
 mod value;
 mod words;
 
+pub use adhesion::{ADHESION_ENDINGS, AdhesionError};
 pub use bounds::{Bounds, Whole};
 pub use calcium::{CALCIUM_ENDINGS, CalciumError, Calibration};
 pub use content::{CONTENT_ENDINGS, ContentError};
 pub use fibres::{Asked, FibreDirection, FibreReport, Fibres, NotRead, PictureFibres, SeenReport};
 pub use models::{FromFile, Models};
 pub use number::{NumberError, NumericSetting};
+pub use overlay::OverlayError;
 pub use places::{FromPlaces, PlacesError};
 pub use problem::{Failure, Problem};
 pub use rows::Table;

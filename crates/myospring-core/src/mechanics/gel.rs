@@ -42,7 +42,7 @@ const SOLVED: f64 = 1e-10;
 const ROUNDS: usize = 1000;
 
 impl Adhesion {
-    /// The nodes that adhere, of a mesh whose long axis is the unit vector `axis`.
+    /// The nodes where it lets a mesh adhere whose long axis is the unit vector `axis`.
     fn nodes(self, mesh: &Mesh, axis: [f64; 2]) -> Vec<usize> {
         let all = 0..mesh.len();
         match self {
@@ -65,6 +65,20 @@ impl Adhesion {
                 all.filter(|&node| near(node)).collect()
             }
         }
+    }
+}
+
+impl Gel {
+    /// The nodes of a mesh that adhere, in ascending order, where it adheres to each in proportion to the given number.
+    pub(crate) fn attached(
+        &self,
+        mesh: &Mesh,
+        axis: [f64; 2],
+        adhesion: Option<&[f64]>,
+    ) -> Vec<usize> {
+        let mut nodes = self.adhesion.nodes(mesh, axis);
+        nodes.retain(|&node| adhesion.is_none_or(|adhesion| adhesion[node] > 0.0));
+        nodes
     }
 }
 
@@ -116,12 +130,27 @@ impl GelBed {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(gel: Gel, mesh: &Mesh, axis: [f64; 2]) -> Result<Self, GelError> {
+        Self::adhering(gel, mesh, axis, None)
+    }
+
+    /// As [`GelBed::new`], for a cell that adheres to each node in proportion to the given number: 0 is not at all, 1 with
+    /// the stiffness of the adhesion. It must be at least 0, and only nodes adhere where the [`Adhesion`] lets them.
+    ///
+    /// # Errors
+    /// Those of [`Gel::check`].
+    pub fn adhering(
+        gel: Gel,
+        mesh: &Mesh,
+        axis: [f64; 2],
+        adhesion: Option<&[f64]>,
+    ) -> Result<Self, GelError> {
         let lattice = mesh.lattice.as_ref().ok_or(GelError::NoLattice)?;
         let Lattice { spacing, shape, cells, .. } = lattice;
         gel.check(mesh)?;
         let green = Green::new(gel, *spacing);
         let convolution = Convolution::new(&green, *spacing, *shape);
-        let nodes = gel.adhesion.nodes(mesh, axis);
+        let nodes = gel.attached(mesh, axis, adhesion);
+        let of_one = |node: usize| adhesion.map_or(1.0, |adhesion| adhesion[node]);
         let mut number = vec![None; mesh.len()];
         for (place, &node) in nodes.iter().enumerate() {
             number[node] = Some(place);
@@ -137,12 +166,18 @@ impl GelBed {
         let [soft, stiff] = numbers.map(|number| gel.stiffness_of_waves(number));
         let per_square = (stiff - soft) / (numbers[1].powi(2) - numbers[0].powi(2));
         let anchor = soft - per_square * numbers[0].powi(2);
+        // Where the adhesion gives way more than elsewhere, so do the springs.
+        let softened = |node: usize| {
+            let more = 1.0 / of_one(node) - 1.0;
+            gel.adhesion_stiffness.map_or(1.0, |k| 1.0 / (1.0 + stiff / k * more))
+        };
         let [own, ..] = green.at(0.0, 0.0);
         let slack = |&node: &usize| {
             // A node on the rim has a part of a square, in which its force moves the gel further.
             let part = (mesh.areas[node] / (spacing * spacing)).sqrt();
-            own * (1.0 / part - 1.0)
-                + gel.adhesion_stiffness.map_or(0.0, |k| 1.0 / (k * mesh.areas[node]))
+            let of_adhesion =
+                gel.adhesion_stiffness.map_or(0.0, |k| 1.0 / (k * of_one(node) * mesh.areas[node]));
+            own * (1.0 / part - 1.0) + of_adhesion
         };
         Ok(Self {
             gel,
@@ -152,8 +187,13 @@ impl GelBed {
                 .map(|axis: usize| nodes.iter().map(|&node| mesh.points[axis][node]).collect()),
             slack: nodes.iter().map(slack).collect(),
             convolution,
-            anchors: nodes.iter().map(|&node| anchor * mesh.areas[node]).collect(),
-            ties: pairs.map(|(pair, share)| (pair, share * per_square)).collect(),
+            anchors: nodes.iter().map(|&node| anchor * mesh.areas[node] * softened(node)).collect(),
+            ties: pairs
+                .map(|(pair, share)| {
+                    let [a, b] = pair.map(|place| softened(nodes[place]));
+                    (pair, share * per_square * a.min(b))
+                })
+                .collect(),
             nodes,
             last: Mutex::default(),
         })

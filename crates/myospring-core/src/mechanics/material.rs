@@ -20,7 +20,7 @@ use super::area::{AreaLaw, AreaPreservation};
 use super::drag::Drag;
 use super::gel::GelBed;
 use super::spring::Springs;
-use super::support::{Support, SupportKind};
+use super::support::{Attachment, Support, SupportKind};
 use super::{Body, System};
 use crate::mesh::{Mesh, SpringKind};
 use serde::Serialize;
@@ -155,7 +155,8 @@ impl Material {
 /// Makes a body at rest and all forces on it.
 ///
 /// `axis` is the cell's long axis, `length` (um) its length along it, `fibres` one unit vector per
-/// triangle, or the [`Myofibrils`] with their content.
+/// triangle, or the [`Myofibrils`] with their content, `support` the support, or the [`Attachment`] with where the cell
+/// adheres.
 ///
 /// # Panics
 /// If the support is a gel that does not fit the mesh; see [`Gel::check`](super::gel::Gel::check).
@@ -164,10 +165,11 @@ pub fn assemble<'a>(
     material: &Material,
     active: ActiveLaw,
     fibres: impl Into<Myofibrils<'a>>,
-    support: SupportKind,
+    support: impl Into<Attachment<'a>>,
     axis: [f64; 2],
     length: f64,
 ) -> (Body, System) {
+    let Attachment { support, adhesion } = support.into();
     let body = Body::at_rest(mesh, material.density(length), material.thickness);
     let springs = material.springs(mesh, &body.masses);
     let area =
@@ -182,7 +184,7 @@ pub fn assemble<'a>(
         passive.push(Box::new(anchors));
     }
     if let SupportKind::Gel(gel) = support {
-        match GelBed::new(gel, mesh, axis) {
+        match GelBed::adhering(gel, mesh, axis, adhesion) {
             Ok(bed) => passive.push(Box::new(bed)),
             Err(error) => panic!("{error}"),
         }

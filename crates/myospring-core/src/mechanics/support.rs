@@ -50,6 +50,22 @@ pub enum SupportKind {
     },
 }
 
+/// A support, and where the cell adheres to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attachment<'a> {
+    /// The support.
+    pub support: SupportKind,
+    /// For each node, how strongly it adheres to a gel, as in
+    /// [`GelBed::adhering`](super::gel::GelBed::adhering); `None` is 1 everywhere.
+    pub adhesion: Option<&'a [f64]>,
+}
+
+impl From<SupportKind> for Attachment<'_> {
+    fn from(support: SupportKind) -> Self {
+        Self { support, adhesion: None }
+    }
+}
+
 impl SupportKind {
     /// Whether both ends are held, so that the cell exerts a force on their supports.
     pub fn holds_both_ends(self) -> bool {

@@ -40,23 +40,27 @@ pub enum SettingError {
         /// Its length, ms.
         short: f64,
     },
-    /// A list with another length than the mesh has triangles.
-    #[error("{what} has {found} entries, but the mesh has {expected} triangles: give one for each")]
+    /// A list with another length than the mesh has triangles or nodes.
+    #[error("{what} has {found} entries, but the mesh has {expected} {parts}s: give one for each")]
     Length {
         /// Which list.
         what: &'static str,
         /// Its length.
         found: usize,
-        /// Number of triangles.
+        /// Number of triangles or nodes.
         expected: usize,
+        /// Which of them: `triangle` or `node`.
+        parts: &'static str,
     },
     /// An entry of a list that is out of range, or not a number.
-    #[error("{what} of triangle {triangle} is {value}; it must be {must}")]
+    #[error("{what} of {part} {index} is {value}; it must be {must}")]
     Entry {
         /// Which list.
         what: &'static str,
-        /// The triangle.
-        triangle: usize,
+        /// `triangle` or `node`.
+        part: &'static str,
+        /// Which of them, from 0.
+        index: usize,
         /// The value.
         value: f64,
         /// What it must be.
@@ -98,10 +102,16 @@ const SLACK: f64 = 1e-6;
 /// Allowed stretches of a cell at rest.
 const RESTING_STRETCH: std::ops::RangeInclusive<f64> = 0.5..=1.5;
 
+/// The smallest number of nodes that hold a cell on a gel: it turns about one.
+const FEWEST: usize = 2;
+
+const TRIANGLE: &str = "triangle";
+const ABOVE: &str = "a finite number, 0 or above";
+
 type Checked = Result<(), SettingError>;
 
 fn value(what: &'static str, value: f64, unit: &'static str, positive: bool) -> Checked {
-    let must = if positive { "a finite number above 0" } else { "a finite number, 0 or above" };
+    let must = if positive { "a finite number above 0" } else { ABOVE };
     if value.is_finite() && (value > 0.0 || !positive && value == 0.0) {
         return Ok(());
     }
@@ -171,6 +181,7 @@ impl Simulation {
         self.check_memory()?;
         self.check_material()?;
         self.check_lists()?;
+        self.check_adhesion()?;
         self.check_choices()
     }
 
@@ -275,7 +286,7 @@ impl Simulation {
             if found == expected {
                 Ok(())
             } else {
-                Err(SettingError::Length { what, found, expected })
+                Err(SettingError::Length { what, found, expected, parts: TRIANGLE })
             }
         };
         let turned = self.long_axis[0].hypot(self.long_axis[1]);
@@ -284,19 +295,19 @@ impl Simulation {
             return Err(SettingError::Value { what, value: turned, unit: "", must });
         }
         length("the list of fibres", self.fibres.len())?;
-        for (triangle, [x, y]) in self.fibres.iter().enumerate() {
+        for (index, [x, y]) in self.fibres.iter().enumerate() {
             let value = x.hypot(*y);
             if is_no_unit(value) {
                 let (what, must) = ("the length of the fibre", "1: a unit vector");
-                return Err(SettingError::Entry { what, triangle, value, must });
+                return Err(SettingError::Entry { what, part: TRIANGLE, index, value, must });
             }
         }
         if let Some(stretch) = &self.resting_stretch {
             length("the stretch at rest", stretch.len())?;
             let outside = |value: &f64| !RESTING_STRETCH.contains(value);
-            if let Some(triangle) = stretch.iter().position(outside) {
-                let (what, must) = ("the stretch at rest", "from 0.5 to 1.5");
-                return Err(SettingError::Entry { what, triangle, value: stretch[triangle], must });
+            if let Some(index) = stretch.iter().position(outside) {
+                let (what, part, must) = ("the stretch at rest", TRIANGLE, "from 0.5 to 1.5");
+                return Err(SettingError::Entry { what, part, index, value: stretch[index], must });
             }
         }
         let Some(content) = &self.myofibril_content else { return Ok(()) };
@@ -309,11 +320,41 @@ impl Simulation {
                 unit: "",
                 must: "above 0",
             }),
-            Some(triangle) => {
-                let (what, must) = ("the content of myofibrils", "a finite number, 0 or above");
-                Err(SettingError::Entry { what, triangle, value: content[triangle], must })
+            Some(index) => {
+                let (what, part) = ("the content of myofibrils", TRIANGLE);
+                Err(SettingError::Entry { what, part, index, value: content[index], must: ABOVE })
             }
         }
+    }
+
+    /// The list says for each node how strongly it adheres, and enough of them do to hold the cell.
+    fn check_adhesion(&self) -> Checked {
+        let Some(adhesion) = &self.adhesion else { return Ok(()) };
+        let SupportKind::Gel(gel) = self.support else {
+            let because = "only a cell on a gel adheres; take support = \"gel\" or leave it out";
+            return conflict("an adhesion for each node", "another support than a gel", because);
+        };
+        let (what, part) = ("the adhesion", "node");
+        let (found, expected) = (adhesion.len(), self.mesh.len());
+        if found != expected {
+            return Err(SettingError::Length { what, found, expected, parts: part });
+        }
+        if let Some(index) = adhesion.iter().position(|it| !(it.is_finite() && *it >= 0.0)) {
+            return Err(SettingError::Entry {
+                what,
+                part,
+                index,
+                value: adhesion[index],
+                must: ABOVE,
+            });
+        }
+        let attached = gel.attached(&self.mesh, self.long_axis, Some(adhesion)).len();
+        if attached < FEWEST {
+            let (what, must) =
+                ("the number of nodes that adhere to the gel", "2 or more, which hold the cell");
+            return Err(SettingError::Value { what, value: attached as f64, unit: "", must });
+        }
+        Ok(())
     }
 
     fn check_choices(&self) -> Checked {
@@ -342,7 +383,7 @@ impl Simulation {
             Some(Sites::PerElement(found)) => {
                 let (what, expected) = ("the activation", self.mesh.simplices.len());
                 if found != expected {
-                    return Err(SettingError::Length { what, found, expected });
+                    return Err(SettingError::Length { what, found, expected, parts: TRIANGLE });
                 }
                 Ok(true)
             }

@@ -13,7 +13,7 @@ use crate::integrate::quasi_static::{Path, Tolerance};
 use crate::mechanics::active::{FibreStretch, Myofibrils};
 use crate::mechanics::loaded_end::LoadedEnd;
 use crate::mechanics::material::assemble;
-use crate::mechanics::support::{Support, SupportKind};
+use crate::mechanics::support::{Attachment, Support, SupportKind};
 use crate::mechanics::{Body, Following, System, Tension, Vectors};
 use crate::mesh::ends::{end_nodes, end_zones};
 use crate::mesh::simplex::measure_at;
@@ -253,7 +253,7 @@ impl Simulation {
             &self.material,
             self.active,
             Myofibrils { directions: &self.fibres, content: self.myofibril_content.as_deref() },
-            self.support,
+            Attachment { support: self.support, adhesion: self.adhesion.as_deref() },
             self.long_axis,
             resting_length,
         );

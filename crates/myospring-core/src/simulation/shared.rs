@@ -109,6 +109,7 @@ impl SharedPath {
             && own.material == other.material
             && own.active == other.active
             && own.support == other.support
+            && own.adhesion == other.adhesion
             && own.end_stretch == other.end_stretch
     }
 }

@@ -286,7 +286,7 @@ export class Form extends EventTarget {
     const value = this.value(key);
     const row =
       range === undefined
-        ? this.#choice(key, name, about, schema?.oneOf ?? schema?.enum?.map((word) => ({ const: word, description: "" })) ?? [])
+        ? this.#choice(key, name, about, schema?.oneOf ?? schema?.anyOf?.[0]?.oneOf ?? schema?.enum?.map((word) => ({ const: word, description: "" })) ?? [])
         : slider({ name, about, unit, value: this.#changed.has(key) ? parseFloat(String(value)) : (start ?? parseFloat(String(value))), unset: /\d/.test(String(value)) || when !== undefined ? "" : String(value), range, set: (given) => {
             this.#set(key, unit === "" ? given : `${given} ${unit}`);
             this.tell();

@@ -110,6 +110,7 @@ export interface SettingSchema {
   default?: Value;
   enum?: string[];
   oneOf?: { const: string; description: string }[];
+  anyOf?: { oneOf?: { const: string; description: string }[] }[];
   minimum?: number;
   maximum?: number;
   "x-unit"?: string;

@@ -67,9 +67,9 @@ class BeatSettings(TypedDict, total=False):
     gel_modulus_kpa: float | None
     gel_poisson: float | None
     gel_thickness_um: float | None
-    adhesion: Literal["everywhere", "ends", "rim"] | None
+    adhesion: str | PathLike[str] | None
     adhesion_stiffness_kpa_per_um: float | None
-    integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"]
+    integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"] | None
     engine: Literal["auto", "plain", "fused"]
     time_step_ms: float | None
     exchange_interval_ms: float
@@ -134,7 +134,7 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "gel_thickness_um": ("mechanics.gel_thickness", None),
     "adhesion": ("mechanics.adhesion", None),
     "adhesion_stiffness_kpa_per_um": ("mechanics.adhesion_stiffness", None),
-    "integrator": ("numerics.integrator", "verlet"),
+    "integrator": ("numerics.integrator", None),
     "engine": ("numerics.engine", "auto"),
     "time_step_ms": ("numerics.time_step", None),
     "exchange_interval_ms": ("numerics.exchange_interval", 0.25),
@@ -201,9 +201,9 @@ def simulate(
     gel_modulus_kpa: float | None = None,
     gel_poisson: float | None = None,
     gel_thickness_um: float | None = None,
-    adhesion: Literal["everywhere", "ends", "rim"] | None = None,
+    adhesion: str | PathLike[str] | None = None,
     adhesion_stiffness_kpa_per_um: float | None = None,
-    integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"] = "verlet",
+    integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"] | None = None,
     engine: Literal["auto", "plain", "fused"] = "auto",
     time_step_ms: float | None = None,
     exchange_interval_ms: float = 0.25,
@@ -378,14 +378,20 @@ def simulate(
     gel_thickness_um : float or None
         Thickness of the gel, which is bonded to glass; unless stated it is so thick that the glass
         is not felt. In um, 0.1 um to 100000 um.
-    adhesion : {"everywhere", "ends", "rim"} or None
-        Where the cell adheres to the gel. None: everywhere.
+    adhesion : str or PathLike[str] or None
+        Where the cell adheres to the gel: "everywhere"; "ends", a fifth of its length at either
+        end; "rim", what lies within 3 um of its outline; or a file, relative to this one: a picture
+        of the same frame as the cell's, such as one of stained focal adhesions, which adheres where
+        it is not black, or a table (.csv) with the header adhesion, a row for each node, or
+        x_um,y_um,adhesion, which adheres where that is above 0. Grey values relative to the largest
+        in the cell, or the values of the table, are factors on `adhesion_stiffness_kpa_per_um`.
+        None: everywhere.
     adhesion_stiffness_kpa_per_um : float or None
         Stiffness of what ties the cell to the gel, traction per distance; unless stated it does not
         give way. In kPa/um, 0.001 kPa/um to 1000000 kPa/um.
-    integrator : {"verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"}, default "verlet"
+    integrator : {"verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"} or None
         How the shape follows the tension: in time by Verlet's method ("verlet" is the paper's
-        form), or along its equilibria.
+        form), or along its equilibria. None: verlet, or quasi-static on a gel.
     engine : {"auto", "plain", "fused"}, default "auto"
         Implementation of the integrator in time; an unsupported one is an error, and run.json
         states the one used.
@@ -489,7 +495,7 @@ def simulate(
         ("mechanics.gel_thickness", gel_thickness_um, None),
         ("mechanics.adhesion", adhesion, None),
         ("mechanics.adhesion_stiffness", adhesion_stiffness_kpa_per_um, None),
-        ("numerics.integrator", integrator, "verlet"),
+        ("numerics.integrator", integrator, None),
         ("numerics.engine", engine, "auto"),
         ("numerics.time_step", time_step_ms, None),
         ("numerics.exchange_interval", exchange_interval_ms, 0.25),

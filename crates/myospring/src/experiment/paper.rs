@@ -73,6 +73,7 @@ impl Experiment for Paper {
                 fibres: fibres.directions.clone(),
                 myofibril_content: None,
                 resting_stretch: None,
+                adhesion: None,
             };
             let mut simulation = run.simulation(mesh.clone(), places);
             simulation.peak_tension = peak_tension;

@@ -2,7 +2,7 @@
 
 use crate::cell;
 use crate::mesh::built_in;
-use crate::settings::{Setting, ValueKind, tables};
+use crate::settings::{Setting, ValueKind, Word, tables};
 use crate::units::Dimension;
 use serde_json::{Map, Value, json};
 
@@ -88,9 +88,11 @@ fn of_setting(setting: &Setting) -> Value {
     insert("type", kind_of_value(setting));
     match setting.kind {
         ValueKind::Words { words, .. } => {
-            let word =
-                |word: &crate::settings::Word| json!({"const": word.name, "description": word.doc});
-            insert("oneOf", words.iter().map(word).collect());
+            insert("oneOf", list(words));
+        }
+        // The name of a file has a dot.
+        ValueKind::File { words, .. } if !words.is_empty() => {
+            insert("anyOf", json!([{"oneOf": list(words)}, {"pattern": "\\."}]));
         }
         ValueKind::Whole { bounds, .. } => {
             insert("minimum", bounds.minimum.into());
@@ -127,6 +129,11 @@ fn of_setting(setting: &Setting) -> Value {
         insert("default", json!(default));
     }
     schema.into()
+}
+
+/// Each word with its meaning.
+fn list(words: &[Word]) -> Value {
+    words.iter().map(|word| json!({"const": word.name, "description": word.doc})).collect()
 }
 
 /// Describes a setting and its default.

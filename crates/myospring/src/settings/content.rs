@@ -10,13 +10,11 @@
 //!   a lattice square around each triangle, relative to their mean over the cell.
 
 use super::fibres::Fibres;
-use super::places::{self, Column, PlacesError, centres};
+use super::overlay::{Overlay, OverlayError};
+use super::places::{self, Column, Part, PlacesError};
 use crate::mesh::Mesh;
 use crate::microscopy::cells::PictureCells;
-use crate::microscopy::hot_pixels;
 use crate::microscopy::picture::Selection;
-use crate::microscopy::plane::Plane;
-use crate::microscopy::read::{PictureError, read_picture};
 use std::io;
 
 /// Endings of files with a content of myofibrils, without the dot.
@@ -41,44 +39,9 @@ pub enum ContentError {
     /// The table is not valid.
     #[error(transparent)]
     Table(#[from] PlacesError),
-    /// The picture cannot be read.
-    #[error("`{path}`: {cause}")]
-    Picture {
-        /// The file.
-        path: String,
-        /// What is wrong.
-        cause: PictureError,
-    },
-    /// A picture of content without a picture of the cell.
-    #[error(
-        "`{path}` is a picture, but the shape of the cell does not come from a picture, so their positions cannot be matched; give a table \
-         (.csv), or the picture of the cell as its shape"
-    )]
-    NoFrame {
-        /// The file.
-        path: String,
-    },
-    /// A picture of another frame.
-    #[error(
-        "`{path}` has {found:?} pixels, the picture of the cell {expected:?}; the content needs a picture of \
-         the same frame"
-    )]
-    Frame {
-        /// The file.
-        path: String,
-        /// Its columns and rows.
-        found: [usize; 2],
-        /// Those of the picture of the cell.
-        expected: [usize; 2],
-    },
-    /// A picture that is black where the cell is.
-    #[error(
-        "`{path}` is black everywhere in the cell, so it contains no information on its myofibrils"
-    )]
-    Black {
-        /// The file.
-        path: String,
-    },
+    /// The picture is not valid.
+    #[error(transparent)]
+    Picture(#[from] OverlayError),
 }
 
 /// The column of contents in a table.
@@ -87,6 +50,7 @@ const COLUMN: Column = Column {
     of: "the content of myofibrils",
     within: 0.0..=100.0,
     must: "from 0 to 100, where 1 is the content that gives the cell's tension",
+    part: Part::Triangle,
 };
 
 /// Reads the content of myofibrils in each triangle of a mesh from a file, with warnings; `read`
@@ -98,54 +62,12 @@ pub(super) fn read_content(
     read: impl Fn(&str) -> io::Result<Vec<u8>>,
 ) -> Result<(Vec<f64>, Option<String>), ContentError> {
     if path.to_lowercase().ends_with(".csv") {
-        Ok((places::read_table(path, &COLUMN, mesh, read)?, None))
-    } else {
-        of_picture(path, &places::read_bytes(path, read)?, mesh, picture)
+        return Ok((places::read_table(path, &COLUMN, mesh, read)?, None));
     }
-}
-
-fn of_picture(
-    path: &str,
-    bytes: &[u8],
-    mesh: &Mesh,
-    cell: Option<(&PictureCells, &Selection)>,
-) -> Result<(Vec<f64>, Option<String>), ContentError> {
-    let path = || path.to_owned();
-    let (cell, selection) = cell.ok_or_else(|| ContentError::NoFrame { path: path() })?;
-    let picture = read_picture(bytes, selection)
-        .map_err(|cause| ContentError::Picture { path: path(), cause })?;
-    let (plane, note) = match hot_pixels::cooled(&picture.plane) {
-        Some((plane, note)) => (plane, Some(format!("`{}`: {note}", path()))),
-        None => (picture.plane, None),
-    };
-    let size = |plane: &Plane| [plane.width(), plane.height()];
-    let (found, expected) = (size(&plane), size(&cell.plane));
-    if found != expected {
-        return Err(ContentError::Frame { path: path(), found, expected });
-    }
-    let pixel = cell.pixel_size.um();
-    let spacing = mesh.lattice.as_ref().map_or(pixel, |lattice| lattice.spacing);
-    let reach = 0.5 * spacing / pixel;
-    // Columns, or rows from the bottom, of the pixels covered by a square around a place.
-    let covered = |at: f64, count: usize| {
-        let last = count as f64 - 1.0;
-        let [first, end] = [at - reach, at + reach].map(|edge| edge.floor().clamp(0.0, last));
-        first as usize..=end as usize
-    };
-    let grey: Vec<f64> = centres(mesh)
-        .map(|[x, y]| {
-            let rows = covered(y / pixel, expected[1]);
-            let pixels = rows.flat_map(|row| {
-                let row = expected[1] - 1 - row;
-                covered(x / pixel, expected[0]).map(move |column| [column, row])
-            });
-            let values = pixels.map(|[column, row]| f64::from(plane.at(column, row)));
-            let (sum, count) =
-                values.fold((0.0, 0.0), |(sum, n), grey| (sum + grey.max(0.0), n + 1.0));
-            sum / count
-        })
-        .collect();
-    let content = relative(grey, mesh).ok_or_else(|| ContentError::Black { path: path() })?;
+    let bytes = places::read_bytes(path, read)?;
+    let overlay = Overlay { path, of: COLUMN.of };
+    let (grey, note) = overlay.grey(&bytes, COLUMN.part, mesh, picture)?;
+    let content = relative(grey, mesh).ok_or_else(|| overlay.black())?;
     Ok((content, note))
 }
 
@@ -192,6 +114,7 @@ mod tests {
     use crate::mesh::lattice;
     use crate::mesh::pixel_size::PixelSize;
     use crate::microscopy::cells::PictureOptions;
+    use crate::microscopy::plane::Plane;
 
     /// A picture of 40 x 20 pixels as a PNG.
     fn png(grey: impl Fn(u32, u32) -> u8) -> Vec<u8> {
@@ -253,7 +176,7 @@ mod tests {
         assert_eq!(warning, None);
         let mean = content.iter().sum::<f64>() / content.len() as f64;
         assert!((mean - 1.0).abs() < 1e-12, "{mean}");
-        for ([x, y], content) in centres(&mesh).zip(content) {
+        for ([x, y], content) in Part::Triangle.places(&mesh).into_iter().zip(content) {
             // The mean of neighbours reaches over the border of the stripes.
             if x > 26.0 {
                 assert_eq!(content, 0.0, "{x} {y}");

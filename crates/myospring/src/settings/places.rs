@@ -1,16 +1,20 @@
-//! Tables of values by place in a cell: one row per triangle, or points, of which each triangle
-//! takes the nearest.
+//! Tables of values by place in a cell: one row per triangle or node, or points, of which each
+//! triangle or node takes the nearest.
 //!
 //! A table whose header has `x_um` and `y_um` has points; its other columns are ignored, so that
 //! `fibres.csv` can be read. Points without a value are ignored. A table with one row per triangle
-//! has only the value's column.
+//! or node has only the value's column.
 
+use super::words::Word;
 use crate::mesh::Mesh;
 use std::io;
 use std::ops::RangeInclusive;
 
 /// Words that do not name a file.
-pub(super) const WORDS: &[&str] = &["uniform", "picture"];
+pub(super) const WORDS: &[Word] = &[
+    Word { name: "uniform", doc: "The same in every place." },
+    Word { name: "picture", doc: "As the picture of the cell shows it." },
+];
 
 /// Source of a quantity that may vary over the cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,8 +47,32 @@ impl FromPlaces {
     }
 }
 
-/// Largest number of points of a table; each triangle is compared with all of them.
+/// Largest number of points of a table; each triangle or node is compared with all of them.
 const MOST_POINTS: usize = 100_000;
+
+/// The parts of a mesh that have values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    Triangle,
+    Node,
+}
+
+impl Part {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Triangle => "triangle",
+            Self::Node => "node",
+        }
+    }
+
+    /// The place of each part of a mesh, um: the centre of a triangle, or the node.
+    pub(super) fn places(self, mesh: &Mesh) -> Vec<[f64; 2]> {
+        match self {
+            Self::Triangle => mesh.simplices.iter().map(|it| mesh.centre(it)).collect(),
+            Self::Node => (0..mesh.len()).map(|node| mesh.point(node)).collect(),
+        }
+    }
+}
 
 /// A column of such a table.
 pub(super) struct Column {
@@ -56,6 +84,8 @@ pub(super) struct Column {
     pub(super) within: RangeInclusive<f64>,
     /// The allowed numbers, in words.
     pub(super) must: &'static str,
+    /// Which parts of the mesh have a value.
+    pub(super) part: Part,
 }
 
 /// Why a file is not a valid table by place.
@@ -71,7 +101,7 @@ pub enum PlacesError {
     },
     /// It is not a table by place.
     #[error(
-        "`{path}`: {cause}; a table of {of} has the header `{column}`, with one row for each triangle, or \
+        "`{path}`: {cause}; a table of {of} has the header `{column}`, with one row for each {part}, or \
          `x_um,y_um,{column}`"
     )]
     Table {
@@ -83,6 +113,8 @@ pub enum PlacesError {
         of: &'static str,
         /// Its column.
         column: &'static str,
+        /// What has a row each: `triangle` or `node`.
+        part: &'static str,
     },
     /// A number out of range.
     #[error("`{path}`, line {line}: {column} is {value}; it must be {must}")]
@@ -136,7 +168,7 @@ pub(super) fn read_bytes(
     read(path).map_err(|cause| PlacesError::Read { path: path.to_owned(), cause })
 }
 
-/// The value of each triangle from a column of a table.
+/// The value of each triangle or node from a column of a table.
 pub(super) fn read_table(
     path: &str,
     column: &Column,
@@ -147,13 +179,13 @@ pub(super) fn read_table(
     let mut reader =
         csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(&*bytes);
     let table = |cause: String| {
-        let (path, of, column) = (path.to_owned(), column.of, column.name);
-        PlacesError::Table { path, cause, of, column }
+        let (path, of, part) = (path.to_owned(), column.of, column.part.name());
+        PlacesError::Table { path, cause, of, column: column.name, part }
     };
     let header = reader.headers().map_err(|error| table(error.to_string()))?.clone();
     let place = |name: &str| header.iter().position(|column| column == name);
     let [x, y, wanted] = ["x_um", "y_um", column.name].map(place);
-    // With other columns, one row per triangle would be a guess: coordinates may have other names.
+    // With other columns, one row per part would be a guess: coordinates may have other names.
     let places = x.is_some() && y.is_some() || header.len() == 1;
     let (Some(wanted), true) = (wanted, places) else {
         let found: Vec<_> = header.iter().map(|name| format!("`{name}`")).collect();
@@ -187,35 +219,34 @@ pub(super) fn read_table(
     }
     let rows = values.len();
     let refused = |must: String| Err(PlacesError::Rows { path: path.to_owned(), rows, must });
+    let parts = column.part.places(mesh);
     if x.is_none() {
-        let triangles = mesh.simplices.len();
-        if rows != triangles {
-            return refused(format!("the mesh has {triangles} triangles: give one for each"));
+        let (wanted, part) = (parts.len(), column.part.name());
+        if rows != wanted {
+            return refused(format!("the mesh has {wanted} {part}s: give one for each"));
         }
         return Ok(values);
     }
     if rows == 0 || rows > MOST_POINTS {
         return refused(format!("there may be 1 to {MOST_POINTS} points with a value"));
     }
-    let ([first, last], [cell_first, cell_last]) = (
-        bounds(&points),
-        bounds(&(0..mesh.len()).map(|node| mesh.point(node)).collect::<Vec<_>>()),
-    );
+    let ([first, last], [cell_first, cell_last]) =
+        (bounds(&points), bounds(&Part::Node.places(mesh)));
     if (0..2).any(|axis| first[axis] > cell_last[axis] || last[axis] < cell_first[axis]) {
         let path = path.to_owned();
         return Err(PlacesError::Beside { path, first, last, cell_first, cell_last });
     }
-    Ok(nearest(&points, &values, mesh))
+    Ok(nearest(&points, &values, &parts))
 }
 
-/// The value of the point nearest to each triangle; there must be at least one point.
-pub(super) fn nearest(points: &[[f64; 2]], values: &[f64], mesh: &Mesh) -> Vec<f64> {
-    let of = |[x, y]: [f64; 2]| {
+/// The value of the point nearest to each place; there must be at least one point.
+pub(super) fn nearest(points: &[[f64; 2]], values: &[f64], places: &[[f64; 2]]) -> Vec<f64> {
+    let of = |&[x, y]: &[f64; 2]| {
         let square = |at: usize| (points[at][0] - x).powi(2) + (points[at][1] - y).powi(2);
         let at = (0..points.len()).min_by(|&a, &b| square(a).total_cmp(&square(b))).unwrap_or(0);
         values[at]
     };
-    centres(mesh).map(of).collect()
+    places.iter().map(of).collect()
 }
 
 /// Smallest and largest x and y of points.
@@ -228,9 +259,4 @@ fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
             .unwrap_or([f64::NAN; 2])
     };
     [of(f64::min), of(f64::max)]
-}
-
-/// The centre of each triangle, um.
-pub(super) fn centres(mesh: &Mesh) -> impl Iterator<Item = [f64; 2]> {
-    mesh.simplices.iter().map(|triangle| mesh.centre(triangle))
 }

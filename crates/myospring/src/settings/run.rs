@@ -1,5 +1,6 @@
 //! A run: everything checked, in internal units, every default filled in.
 
+use super::adhesion::{self, AdhesionError};
 use super::calcium::{self, CalciumError, Calibration};
 use super::content::{self, ContentError};
 use super::fibres::{Asked, FibreDirection, Fibres};
@@ -85,6 +86,8 @@ pub struct Run {
     pub wave_speed: Option<f64>,
     /// The support of the cell.
     pub support: SupportKind,
+    /// The file that says where the cell adheres to a gel, as written; `None` is as the gel says.
+    pub adhesion: Option<String>,
     /// Distance between clamped ends before the beat, relative to the cell at rest.
     pub end_stretch: f64,
     /// Numerical settings.
@@ -113,7 +116,7 @@ pub struct MeshedRun {
     pub picture: Option<(PictureCells, PictureCell)>,
 }
 
-/// Quantities that vary over a cell, as lists over the triangles of its mesh.
+/// Quantities that vary over a cell, as lists over the triangles of its mesh, or over its nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Places {
     /// Direction of the fibres, unit vectors ([`FibreDirection::on`]).
@@ -122,6 +125,8 @@ pub struct Places {
     pub myofibril_content: Option<Vec<f64>>,
     /// Stretch of the myofilaments in the cell at rest; `None` is 1 everywhere.
     pub resting_stretch: Option<Vec<f64>>,
+    /// How strongly each node adheres to a gel; `None` is 1 everywhere.
+    pub adhesion: Option<Vec<f64>>,
 }
 
 /// Why a simulation cannot be made from a shape.
@@ -133,6 +138,9 @@ pub enum MakeError {
     /// The content of myofibrils cannot be read.
     #[error(transparent)]
     Content(#[from] ContentError),
+    /// Where the cell adheres cannot be read.
+    #[error(transparent)]
+    Adhesion(#[from] AdhesionError),
     /// The cell does not reach a steady state.
     #[error(transparent)]
     Steady(#[from] CacheError),
@@ -189,6 +197,7 @@ impl Run {
             sarcomere_reference: None,
             wave_speed: None,
             support: SupportKind::MassCentre,
+            adhesion: None,
             end_stretch: 1.0,
             duration: usual_duration(&protocol, &numerics),
             numerics,
@@ -240,7 +249,7 @@ impl Run {
     /// from pictures and tables; `read` reads a file by its name as written.
     ///
     /// # Errors
-    /// Fibres that cannot be read from the picture, or a file of contents that does not fit.
+    /// Fibres that cannot be read from the picture, or a file of contents or adhesions that does not fit.
     ///
     /// # Example
     /// ```
@@ -280,6 +289,16 @@ impl Run {
                 Some(content)
             }
         };
+        let adhesion = match (&self.adhesion, self.support) {
+            (Some(path), SupportKind::Gel(gel)) => {
+                let gives_way = gel.adhesion_stiffness.is_some();
+                let (adhesion, warnings) =
+                    adhesion::read_adhesion(path, &mesh, cells.zip(chosen), gives_way, &read)?;
+                report.warnings.extend(warnings);
+                Some(adhesion)
+            }
+            _ => None,
+        };
         let reference = self.sarcomere_reference.unwrap_or(f64::NAN);
         let lengths = &self.sarcomere_length;
         let stretch = sarcomeres::resting_stretch(lengths, reference, &mesh, &fibres, &read)?;
@@ -289,8 +308,12 @@ impl Run {
         report.warnings.extend(warning);
         report.warnings.extend(self.wave_warning(report.dimensions.length_um));
         let fibre_directions = fibres.directions.clone();
-        let places =
-            Places { fibres: fibre_directions, myofibril_content: content, resting_stretch };
+        let places = Places {
+            fibres: fibre_directions,
+            myofibril_content: content,
+            resting_stretch,
+            adhesion,
+        };
         let (start_state, warning) = self.start_state(&cell)?;
         report.warnings.extend(warning);
         let simulation = Simulation { cell, start_state, ..self.simulation(mesh, places) };
@@ -367,7 +390,7 @@ impl Run {
     /// Makes the simulation of this run on a mesh with quantities by place, without reading files;
     /// the cell model must already have its calcium ([`Run::driven`]).
     pub fn simulation(&self, mesh: Mesh, places: Places) -> Simulation {
-        let Places { fibres, myofibril_content, resting_stretch } = places;
+        let Places { fibres, myofibril_content, resting_stretch, adhesion } = places;
         let long_axis = long_axis(&mesh);
         Simulation {
             cell: Arc::clone(&self.cell),
@@ -387,6 +410,7 @@ impl Run {
             material: self.material.clone(),
             active: self.active,
             support: self.support,
+            adhesion,
             end_stretch: self.end_stretch,
             duration: self.duration,
             numerics: self.numerics.clone(),

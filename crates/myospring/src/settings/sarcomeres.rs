@@ -6,7 +6,7 @@
 //! myofilaments start at another point of the force-length relation.
 
 use super::fibres::Fibres;
-use super::places::{self, Column, FromPlaces, PlacesError};
+use super::places::{self, Column, FromPlaces, Part, PlacesError};
 use crate::mesh::Mesh;
 use std::io;
 
@@ -18,6 +18,7 @@ const COLUMN: Column = Column {
     of: "the length of sarcomeres",
     within: 0.5..=5.0,
     must: "a length from 0.5 to 5 um",
+    part: Part::Triangle,
 };
 
 /// Why the stretch at rest cannot be determined.
@@ -81,15 +82,15 @@ pub(super) fn resting_stretch(
 
 fn of_fibres(fibres: &Fibres, mesh: &Mesh) -> Result<Vec<f64>, SarcomereError> {
     let seen = fibres.seen.iter().flat_map(|seen| &seen.triangles);
-    let read = places::centres(mesh)
-        .zip(seen)
-        .filter_map(|(centre, place)| Some((centre, place.sarcomere_um?)));
+    let centres = Part::Triangle.places(mesh);
+    let read =
+        centres.iter().zip(seen).filter_map(|(centre, place)| Some((*centre, place.sarcomere_um?)));
     let (points, lengths): (Vec<_>, Vec<_>) = read.unzip();
     if points.is_empty() {
         let reason = fibres.not_read.map(|reason| format!(": {reason}")).unwrap_or_default();
         return Err(SarcomereError::NotRead { reason });
     }
-    Ok(places::nearest(&points, &lengths, mesh))
+    Ok(places::nearest(&points, &lengths, &centres))
 }
 
 #[cfg(test)]

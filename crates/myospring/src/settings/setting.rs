@@ -69,7 +69,7 @@ pub enum ValueKind {
         /// Known endings, without the dot.
         endings: &'static [&'static str],
         /// Words that do not name a file; `./word.csv` is a file.
-        words: &'static [&'static str],
+        words: &'static [Word],
         /// An example, as written by users.
         example: &'static str,
         /// Reader.
@@ -216,7 +216,7 @@ impl Setting {
     /// Whether a value of it names a file.
     pub fn names_file(&self, value: &str) -> bool {
         match self.kind {
-            ValueKind::File { words, .. } => !words.contains(&value),
+            ValueKind::File { words, .. } => words.iter().all(|word| word.name != value),
             ValueKind::NameOrFile { endings, .. } => {
                 let ending = value.rsplit_once('.').map_or("", |(_, ending)| ending);
                 endings.iter().any(|known| known.eq_ignore_ascii_case(ending))
@@ -373,7 +373,7 @@ impl Setting {
                 Value::Text(text),
             ) => set(run, text),
             (ValueKind::File { endings, words, set, .. }, Value::Text(path)) => {
-                let is_word = words.contains(&path.as_str());
+                let is_word = words.iter().any(|word| word.name == path);
                 let checked =
                     if is_word { Ok(()) } else { check_ending(key, path, endings, words) };
                 checked.map(|()| set(run, path.clone()))
@@ -424,14 +424,14 @@ fn check_ending(
     key: &'static str,
     path: &str,
     endings: &[&str],
-    words: &[&'static str],
+    words: &[Word],
 ) -> Result<(), Problem> {
     let lower = path.to_lowercase();
     if endings.iter().any(|ending| lower.ends_with(&format!(".{ending}"))) {
         return Ok(());
     }
     if !(words.is_empty() || path.contains(['.', '/', '\\'])) {
-        let known = words.iter().copied().chain(["the name of a file"]);
+        let known = words.iter().map(|word| word.name).chain(["the name of a file"]);
         return Err(Problem::unknown_word(key, path, known));
     }
     let known = endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ");

@@ -25,6 +25,7 @@ mod touching_cells;
 #[path = "../common/warped_film.rs"]
 mod warped_film;
 
+mod adhesion;
 mod fibres;
 mod film_cells;
 mod films;

@@ -213,3 +213,30 @@ fn a_search_on_a_gel_ends_when_it_is_interrupted() {
     let simulation = Simulation { interruption, ..on(Gel::half_space(5.0), 2.4) };
     assert!(matches!(simulation.build(), Err(SetupError::Interrupted)));
 }
+
+#[test]
+fn an_adhesion_that_holds_no_cell_is_refused_with_its_value_and_its_bound() {
+    let gel = Gel::half_space(10.0);
+    let error = |support: SupportKind, adhesion: Vec<f64>| {
+        let adhesion = Some(adhesion);
+        let simulation = Simulation { support, adhesion, ..on(gel, 4.0) };
+        simulation.build().err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    let nodes = on(gel, 4.0).mesh.len();
+    let with = |node: usize, value: f64, others: f64| {
+        let mut list = vec![others; nodes];
+        list[node] = value;
+        list
+    };
+    for (support, adhesion, message) in [
+        (SupportKind::MassCentre, vec![1.0; nodes], "only a cell on a gel adheres"),
+        (SupportKind::Gel(gel), vec![1.0; 3], "the adhesion has 3 entries, but the mesh has"),
+        (SupportKind::Gel(gel), with(3, -0.5, 1.0), "the adhesion of node 3 is -0.5; it must be"),
+        (SupportKind::Gel(gel), with(3, f64::NAN, 1.0), "the adhesion of node 3 is NaN"),
+        (SupportKind::Gel(gel), with(3, 1.0, 0.0), "that adhere to the gel is 1; it must be 2"),
+    ] {
+        let said = error(support, adhesion);
+        assert!(said.contains(message), "{message}: {said}");
+    }
+    assert_eq!(error(SupportKind::Gel(gel), with(3, 0.0, 1.0)), "");
+}

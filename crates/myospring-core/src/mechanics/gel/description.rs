@@ -9,7 +9,7 @@ pub const ADHERING_END: f64 = 0.2;
 /// Width of the rim that adheres, um, where only the rim does: that of mature focal adhesions.
 pub const ADHERING_RIM: f64 = 3.0;
 
-/// A gel, and how the cell adheres to it.
+/// A gel, and how the cell adheres to it; a list of [`GelBed::adhering`](super::GelBed::adhering) says more.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Gel {
     /// Young's modulus, kPa.

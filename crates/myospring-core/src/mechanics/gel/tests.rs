@@ -213,3 +213,49 @@ fn the_springs_in_its_place_are_softer_than_the_gel() {
         assert!(largest < 1.0, "{largest}: {gel:?}");
     }
 }
+
+#[test]
+fn a_cell_that_adheres_fully_where_its_ends_do_is_one_that_adheres_at_its_ends() {
+    let mesh = ellipse(60.0, 20.0, 2.0);
+    let whole = |adhesion| Gel { adhesion, adhesion_stiffness: Some(2.0), ..Gel::half_space(8.0) };
+    for adhesion in [Adhesion::Everywhere, Adhesion::Ends, Adhesion::Rim] {
+        let by_word = bed(whole(adhesion), &mesh);
+        let mut list = vec![0.0; mesh.len()];
+        for &node in by_word.nodes() {
+            list[node] = 1.0;
+        }
+        let gel = whole(Adhesion::Everywhere);
+        let by_list = GelBed::adhering(gel, &mesh, [1.0, 0.0], Some(&list)).unwrap();
+        assert_eq!(by_list.nodes(), by_word.nodes());
+        let moved = irregular(by_word.nodes().len());
+        assert_eq!(by_list.forces(&moved), by_word.forces(&moved), "{adhesion:?}");
+        assert_eq!(by_list.likeness(&moved), by_word.likeness(&moved), "{adhesion:?}");
+    }
+}
+
+#[test]
+fn a_weaker_adhesion_everywhere_is_a_softer_one_and_between_nodes_it_is_solved_as_well() {
+    let mesh = ellipse(60.0, 20.0, 2.0);
+    let gel = |stiffness| Gel { adhesion_stiffness: Some(stiffness), ..Gel::half_space(8.0) };
+    let adhering =
+        |gel, list: &[f64]| GelBed::adhering(gel, &mesh, [1.0, 0.0], Some(list)).unwrap();
+    let moved = irregular(mesh.len());
+    let quarter = adhering(gel(2.0), &vec![0.25; mesh.len()]).forces(&moved);
+    let softer = bed(gel(0.5), &mesh).forces(&moved);
+    let size = product(&softer, &softer).sqrt();
+    for (a, b) in quarter.iter().flatten().zip(softer.iter().flatten()) {
+        // Both are solved to 1e-10 of the displacements, whose forces are up to 100 times as large in proportion.
+        assert!((a - b).abs() < 1e-8 * size, "{a} {b}");
+    }
+    // From a 255th, the faintest grey value of a byte, to 1.
+    let faint = |node: usize| (1.0 + (node * node * 7 % 255) as f64) / 255.0;
+    let list: Vec<f64> = (0..mesh.len()).map(faint).collect();
+    for gel in [gel(2.0), gel(0.05), gel(500.0)] {
+        let bed = adhering(gel, &list);
+        let forces = bed.forces(&moved);
+        let mut left = bed.displaced(&forces);
+        add_scaled(&mut left, -1.0, &moved);
+        let left = (product(&left, &left) / product(&moved, &moved)).sqrt();
+        assert!(left < 1e-9, "{gel:?}: {left}");
+    }
+}

@@ -63,10 +63,12 @@ pub(super) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Expe
         ("traction_y_Pa", traction(1)),
         ("area_um2", mesh.areas.clone()),
     ];
-    let table = Table { columns: columns.map(column).into() };
+    let adhesion = simulation.adhesion.clone().map(|values| ("adhesion", values));
+    let table = Table { columns: columns.into_iter().chain(adhesion).map(column).collect() };
     folder.write("gel/tractions.csv", table.for_people().to_csv()?)?;
 
-    let bed = GelBed::new(gel, mesh, simulation.long_axis).map_err(ExperimentError::new)?;
+    let bed = GelBed::adhering(gel, mesh, simulation.long_axis, simulation.adhesion.as_deref())
+        .map_err(ExperimentError::new)?;
     let attached = |axis: usize| bed.nodes().iter().map(|&node| forces[axis][node]).collect();
     let surface = bed.surface(&[attached(0), attached(1)], AROUND);
     let Surface { spacing, origin, shape: [columns, rows], displacements: [u, v] } = surface;

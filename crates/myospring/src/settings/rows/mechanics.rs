@@ -1,5 +1,6 @@
 //! `[mechanics]`.
 
+use super::super::adhesion::ADHESION_ENDINGS;
 use super::super::bounds::Bounds;
 use super::super::content::CONTENT_ENDINGS;
 use super::super::fibres::{Asked, FibreDirection};
@@ -331,19 +332,33 @@ pub(super) const ROWS: &[Setting] = &[
     .option_saying("--gel-thickness", "LENGTH", "Thickness of the gel, bonded to glass"),
     Setting::new(
         "mechanics.adhesion",
-        "Where the cell adheres to the gel.",
-        ValueKind::Words {
+        "Where the cell adheres to the gel: \"everywhere\"; \"ends\", a fifth of its length at either end; \"rim\", what lies \
+         within 3 um of its outline; or a file, relative to this one: a picture of the same frame as the cell's, such as one \
+         of stained focal adhesions, which adheres where it is not black, or a table (.csv) with the header adhesion, a row \
+         for each node, or x_um,y_um,adhesion, which adheres where that is above 0. Grey values relative to the largest in \
+         the cell, or the values of the table, are factors on `adhesion_stiffness`.",
+        ValueKind::File {
+            endings: ADHESION_ENDINGS,
             words: Adhesion::WORDS,
-            get: |run| gel(run).map(|gel| gel.adhesion.word()),
-            set: |run, word| {
-                let adhesion = Adhesion::of_word(word)?;
-                change_gel(run, |gel| gel.adhesion = adhesion);
-                Some(())
+            example: "adhesions.tif",
+            get: |run| {
+                let word = gel(run)?.adhesion.word().to_owned();
+                Some(run.adhesion.clone().unwrap_or(word))
+            },
+            set: |run, text| {
+                let word = Adhesion::of_word(&text);
+                run.adhesion = (word.is_none() && gel(run).is_some()).then_some(text);
+                change_gel(run, |gel| gel.adhesion = word.unwrap_or(Adhesion::Everywhere));
             },
         },
     )
     .otherwise("everywhere")
-    .option("--adhesion", "WHERE"),
+    .option_saying(
+        "--adhesion",
+        "WHERE",
+        "Where the cell adheres to the gel: everywhere, ends, rim, a picture of the same frame (where it is not black), or a \
+         table (.csv: adhesion, or x_um,y_um,adhesion)",
+    ),
     Setting::quantity(
         "mechanics.adhesion_stiffness",
         "Stiffness of what ties the cell to the gel, traction per distance; unless stated it does not give way.",

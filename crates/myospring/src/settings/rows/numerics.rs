@@ -49,6 +49,7 @@ pub(super) const ROWS: &[Setting] = &[
             },
         },
     )
+    .otherwise("verlet, or quasi-static on a gel")
     .option_saying(
         "--integrator",
         "NAME",

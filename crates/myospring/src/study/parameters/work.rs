@@ -318,8 +318,8 @@ impl Common {
         let shares_path = self.keys().all(|key| starts(key, &TENSION_ONLY));
         let same_shape = !self.keys().any(|key| starts(key, &SHAPING));
         let same_mesh = same_shape && !self.keys().any(|key| starts(key, &FIBRES));
-        let Simulation { mesh, fibres, myofibril_content, resting_stretch, .. } = made;
-        let places = Places { fibres, myofibril_content, resting_stretch };
+        let Simulation { mesh, fibres, myofibril_content, resting_stretch, adhesion, .. } = made;
+        let places = Places { fibres, myofibril_content, resting_stretch, adhesion };
         self.body = Some(Body {
             bytes,
             shaped: Some(shaped).filter(|_| same_shape && !same_mesh),
