@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests may fail")]
 
+#[path = "../common/bead_film.rs"]
+mod bead_film;
 #[path = "../common/cells_film.rs"]
 mod cells_film;
 #[path = "../common/mod.rs"]
@@ -25,6 +27,7 @@ mod touching_cells;
 #[path = "../common/warped_film.rs"]
 mod warped_film;
 
+mod beads;
 mod fibres;
 mod film_cells;
 mod films;

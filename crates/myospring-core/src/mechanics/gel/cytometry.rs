@@ -18,6 +18,7 @@ use super::conjugate;
 use super::convolution::{Convolution, Number, Waves};
 use super::description::{Gel, GelError};
 use super::green::Green;
+use super::pull::PullAxis;
 use super::surface::Surface;
 use super::wave;
 use crate::mechanics::vectors::{Vectors, add_scaled};
@@ -136,6 +137,24 @@ pub fn tractions(
         }
     };
     Ok(surfaces.iter().zip(&spectra).map(one).collect())
+}
+
+/// Standard deviation of the axial force that noise of the displacements alone makes, nN; of tractions within a region as if
+/// they had not been confined to it.
+pub fn axial_noise_nn(
+    gel: &Gel,
+    surface: &Surface,
+    found: &Tractions,
+    axis: &PullAxis,
+    region: Option<&[bool]>,
+) -> f64 {
+    // Tractions are `K u` with a symmetric `K`, so a force `w . K u` has the variance `noise^2 |K w|^2`.
+    let weights = Surface { displacements: axis.weights(surface, region), ..surface.clone() };
+    let waves = Waves::new(surface.shape);
+    let gathered = everywhere(gel, &weights, &waves, found.smoothing);
+    let squares = gathered.iter().flatten().map(|value| value * value).sum::<f64>();
+    // The weights are those of Pa.
+    1e3 * found.noise_um * squares.sqrt()
 }
 
 /// Tractions (kPa) of all waves, damped.
