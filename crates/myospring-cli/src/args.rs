@@ -327,8 +327,9 @@ pub(crate) struct TractionArgs {
     #[arg(long, value_name = "N", conflicts_with = "reference", help_heading = FILM)]
     pub(crate) frame: Option<usize>,
     /// Side of the squares of the picture that are matched in each frame ("6 um"): larger ones are more reliable, smaller ones
-    /// resolve finer tractions [default: the smallest that hold nine beads]
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, help_heading = FILM)]
+    /// resolve finer tractions [default: the smallest that hold nine beads]. Of arrays, the side of the windows in which they
+    /// were measured, where these overlap [default: they do not]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) subset: Option<String>,
     /// Channel of the beads, from 0 [default: 0]
     #[arg(long, value_name = "N", help_heading = FILM)]

@@ -39,6 +39,7 @@ pub(crate) fn traction(args: &TractionArgs) -> Result<ExitCode, Failure> {
                 .advise("give it like --pixel-size \"0.63 um\"")
             })?,
             unit_um,
+            subset_um,
         },
         [film] => Source::Beads(Beads {
             reference: args.reference.clone(),
@@ -97,7 +98,6 @@ fn arrays(args: &TractionArgs, u: &Path, v: &Path) -> Result<[PathBuf; 2], Failu
     let of_pictures = [
         ("--reference", args.reference.is_some()),
         ("--frame", args.frame.is_some()),
-        ("--subset", args.subset.is_some()),
         ("--channel", args.channel.is_some()),
     ];
     match of_pictures.iter().find(|(_, is_given)| *is_given) {

@@ -54,6 +54,7 @@ pub(crate) fn traction_of_arrays(
     py: Python<'_>,
     displacements: [PyReadonlyArray3<'_, f64>; 2],
     spacing_um: f64,
+    subset_um: Option<f64>,
     gel: GelGiven,
     region: Option<PathBuf>,
     frame_rate_per_s: Option<f64>,
@@ -70,6 +71,7 @@ pub(crate) fn traction_of_arrays(
         files: names.map(PathBuf::from),
         pixel_size_um: spacing_um,
         unit_um: Some(1.0),
+        subset_um,
     };
     let description = described(source, gel, region, frame_rate_per_s);
     let outcome = experiment::run(py, &description, &files, progress)?;

@@ -171,7 +171,9 @@ fn a_film_of_beads_gives_forces_that_other_commands_read() {
     let spacing = 0.3 * numbers["beads"]["spacing_px"].as_f64().unwrap();
     let arrays = ["results/beads_traction/u.npy", "results/beads_traction/v.npy"];
     let size = format!("{spacing} um");
-    let size = ["--pixel-size", &size, "--unit", "0.3 um", "--output", "again"];
+    let subset = format!("{} um", numbers["beads"]["subset_um"]);
+    let size =
+        ["--pixel-size", &size, "--unit", "0.3 um", "--subset", &subset, "--output", "again"];
     let again = json(&myospring(at, &[&["traction", "--json"], &arrays[..], &gel, &size].concat()));
     let moved = |of: &serde_json::Value| of["displacement_noise_um"].as_f64().unwrap();
     assert!((moved(&again) / moved(&numbers) - 1.0).abs() < 1e-6);
@@ -197,8 +199,8 @@ fn options_and_files_that_do_not_go_together_are_refused() {
         (&["pulled.y4m", "pulled.y4m"], "--reference pulled.y4m"),
         (&["u.npy", "u.npy"], "--pixel-size is missing"),
         (
-            &["u.npy", "u.npy", "--pixel-size", "1 um", "--subset", "3 um"],
-            "--subset is for pictures",
+            &["u.npy", "u.npy", "--pixel-size", "1 um", "--channel", "1"],
+            "--channel is for pictures",
         ),
         (&["pulled.y4m", "--unit", "1 um"], "--unit is for arrays"),
         (&["pulled.y4m"], "is one picture"),

@@ -24,9 +24,6 @@ use std::f64::consts::PI;
 /// Beads in a square, by default. The affine motion of a square has six unknowns, and a bead has two coordinates: three beads
 /// determine it, three times as many average their errors.
 const BEADS: f64 = 9.0;
-/// Spacings of the lattice along the side of a square. With two, every bead counts in four squares; more points would repeat
-/// the same beads, whose errors the noise of the displacements would then no longer show.
-const PER_SIDE: usize = 2;
 /// Smallest side of a square that is tried, pixels, and the factor from one to the next.
 const SMALLEST: f64 = 17.0;
 const NEXT: f64 = 1.12;
@@ -147,7 +144,7 @@ pub struct GelMotion {
     pub interpolated: Vec<Vec<bool>>,
     /// Median zero-normalised correlation of the points that were found, by frame.
     pub correlation: Vec<Option<f64>>,
-    /// Median standard error of a point's displacement by the noise of the grey values, um.
+    /// Median standard error of a point's displacement, um: what is left between squares that were matched counts as noise.
     pub error_um: Option<f64>,
     /// Side of the squares that were matched, um.
     pub subset_um: f64,
@@ -156,6 +153,10 @@ pub struct GelMotion {
 }
 
 impl GelMotion {
+    /// Points along the side of a square, which share their errors, since they see the same beads. With two, every place of the
+    /// picture lies in four squares; a motion that varies within half a square is not resolved anyway.
+    pub const OVERLAP: usize = 2;
+
     /// Part of the points of a frame that were interpolated, by its place in the lists.
     pub fn interpolated_share(&self, at: usize) -> f64 {
         let missing = self.interpolated[at].iter().filter(|is| **is).count();
@@ -225,7 +226,7 @@ pub fn follow_beads(
     };
     let half = super::follower::half(tracking.subset_um, pixel_um, texture);
     let side = 2 * half + 1;
-    let step = (side / PER_SIDE).max(1);
+    let step = (side / GelMotion::OVERLAP).max(1);
     // Every square lies within the frame.
     let count = |length: usize| length.checked_sub(side).map_or(0, |room| room / step + 1);
     let shape = [count(width), count(height)];
@@ -260,6 +261,15 @@ pub fn follow_beads(
     let displacements = displacements.map(|(moved, stage)| {
         [0, 1].map(|axis: usize| moved[axis].iter().map(|value| value + stage[axis]).collect())
     });
+    // What is left between the pictures, as the noise of single pixels that it stands for: that of the ground may be less.
+    let others = (0..motion.frames.len()).filter(|&at| motion.frames[at] != motion.rest);
+    let matched =
+        order::median(others.filter_map(|at| motion.correlation[at]).collect::<Vec<f64>>());
+    let noise = matched.map(|matched| ((1.0 - matched).max(0.0) * crowd.variance).sqrt());
+    let error_um = motion.error_um.map(|error| {
+        let pixels = 2.0 * PI.sqrt() * SMOOTHING;
+        noise.map_or(error, |noise| error * pixels * noise / rest.noise)
+    });
     Ok(GelMotion {
         step,
         shape,
@@ -270,7 +280,7 @@ pub fn follow_beads(
         rest: motion.rest,
         displacements_um: displacements.collect(),
         correlation: motion.correlation,
-        error_um: motion.error_um,
+        error_um,
         subset_um: motion.subset_um,
         bead_distance_um: crowd.distance * pixel_um,
         frames: motion.frames,
@@ -284,6 +294,8 @@ struct Crowd {
     distance: f64,
     /// Side of the smallest square with enough beads, pixels.
     side: f64,
+    /// Variance of the smoothed grey values.
+    variance: f64,
 }
 
 impl Crowd {
@@ -296,7 +308,7 @@ impl Crowd {
         let (mut side, mut last) = (SMALLEST, None);
         while side <= largest {
             let beads = sums.beads(side.round() as usize)?;
-            last = Some(Self { distance: side / beads.sqrt(), side });
+            last = Some(Self { distance: side / beads.sqrt(), side, variance: sums.variance });
             if beads >= BEADS {
                 break;
             }
@@ -304,7 +316,7 @@ impl Crowd {
         }
         last.or_else(|| {
             let beads = sums.beads((largest.round() as usize).max(2))?;
-            Some(Self { distance: largest / beads.sqrt(), side: SMALLEST })
+            Some(Self { distance: largest / beads.sqrt(), side: SMALLEST, variance: sums.variance })
         })
     }
 }
@@ -315,6 +327,8 @@ struct Sums {
     height: usize,
     /// One column and one row more than the picture.
     upto: Vec<f64>,
+    /// Variance of the smoothed grey values.
+    variance: f64,
 }
 
 impl Sums {
@@ -342,7 +356,11 @@ impl Sums {
                     upto[row * (width + 1) + column + 1] + along;
             }
         }
-        Self { width, height, upto }
+        let count = (width * height) as f64;
+        let grey = || smooth.values().iter().map(|value| f64::from(*value));
+        let mean = grey().sum::<f64>() / count;
+        let variance = grey().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+        Self { width, height, upto, variance }
     }
 
     /// Number of beads in a square of this side, from the variation over squares that overlap by half; `None` if there are

@@ -396,6 +396,7 @@ def track_all(
 def traction_of_arrays(
     displacements: tuple[NDArray[np.float64], NDArray[np.float64]],
     spacing_um: float,
+    subset_um: float | None,
     gel: tuple[float, float, float | None],
     region: str | None,
     frame_rate_per_s: float | None,

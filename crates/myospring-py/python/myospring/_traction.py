@@ -200,7 +200,8 @@ def traction(
     frame : int or None
         The frame at rest, from 0; None finds it.
     subset_um : float or None
-        Side of the squares that are matched, um; None: the smallest that hold nine beads.
+        Side of the squares that are matched, um; None: the smallest that hold nine beads. Of arrays, the side of the windows
+        in which they were measured; None: these do not overlap.
     channel : int or None
         Channel of the beads, from 0.
     region : path or None
@@ -232,7 +233,9 @@ def traction(
         if spacing_um is None:
             raise ValueError("spacing_um is missing: arrays do not say how far apart their displacements are")
         pair = (_film(source[0], "u"), _film(source[1], "v"))
-        found = _native.traction_of_arrays(pair, spacing_um, gel, place, frame_rate_per_s, heard(progress))
+        found = _native.traction_of_arrays(
+            pair, spacing_um, subset_um, gel, place, frame_rate_per_s, heard(progress)
+        )
     elif spacing_um is not None:
         raise ValueError("spacing_um is for arrays of displacements; pictures of beads have pixel_size_um")
     else:

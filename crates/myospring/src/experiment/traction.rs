@@ -41,7 +41,7 @@ pub use found::FoundTractions;
 pub use frame::TractionFrame;
 
 use super::{Experiment, ExperimentError, Files, Observer};
-use crate::mechanics::gel::cytometry::{self, Tractions};
+use crate::mechanics::gel::cytometry::{self, Errors, Tractions};
 use crate::mechanics::gel::pull::{PullAxis, energy_fj, moments_fj};
 use crate::mechanics::gel::{Gel, Surface};
 use measured::{Displacements, Grid};
@@ -73,6 +73,9 @@ pub enum Source {
         pixel_size_um: f64,
         /// What a displacement of 1 is, um: the distance of places, unless stated.
         unit_um: Option<f64>,
+        /// Side of the squares in which they were measured, um. Places nearer than that share their errors; `None` if each has
+        /// its own.
+        subset_um: Option<f64>,
     },
     /// Pictures of beads.
     Beads(Beads),
@@ -81,7 +84,7 @@ pub enum Source {
 impl Traction {
     /// Of these arrays, with places at this distance (um), which is also what a displacement of 1 is.
     pub fn of(files: [PathBuf; 2], pixel_size_um: f64, gel: Gel) -> Self {
-        Self::from(Source::Arrays { files, pixel_size_um, unit_um: None }, gel)
+        Self::from(Source::Arrays { files, pixel_size_um, unit_um: None, subset_um: None }, gel)
     }
 
     /// Of a film of beads.
@@ -105,12 +108,14 @@ impl Traction {
     fn check(&self) -> Result<(), ExperimentError> {
         let Gel { modulus, poisson, thickness, .. } = self.gel;
         let lengths = match &self.source {
-            Source::Arrays { pixel_size_um, unit_um, .. } => [
+            Source::Arrays { pixel_size_um, unit_um, subset_um, .. } => [
                 ("the pixel size", Some(*pixel_size_um), "um"),
                 ("the unit of displacements", *unit_um, "um"),
+                ("the side of a subset", *subset_um, "um"),
             ],
             Source::Beads(beads) => [
                 ("the pixel size", beads.pixel_size_um, "um"),
+                ("the unit of displacements", None, "um"),
                 ("the side of a subset", beads.subset_um, "um"),
             ],
         };
@@ -147,9 +152,19 @@ impl Traction {
             self.region.as_ref().map(|path| region::read(path, grid, files)).transpose()
         };
         match &self.source {
-            Source::Arrays { files: paths, pixel_size_um, unit_um } => {
+            Source::Arrays { files: paths, pixel_size_um, unit_um, subset_um } => {
                 let unit = unit_um.unwrap_or(*pixel_size_um);
-                let read = arrays::read(paths, *pixel_size_um, unit, rate, files)?;
+                let read = arrays::read(paths, *pixel_size_um, unit, files)?;
+                let overlap = subset_um.map_or(1.0, |side| (side / pixel_size_um).round());
+                let read = Displacements {
+                    frame_rate_per_s: rate,
+                    // No array has as many places.
+                    errors: Errors {
+                        overlap: overlap.clamp(1.0, 1e6) as usize,
+                        ..Errors::default()
+                    },
+                    ..read
+                };
                 let region = region(&read.grid)?;
                 Ok((read, region))
             }
@@ -170,8 +185,9 @@ impl Experiment for Traction {
         let (measured, region) = self.displacements(files, observer)?;
         observer.interruption().check().map_err(ExperimentError::new)?;
         let surfaces = &measured.surfaces;
-        let tractions = cytometry::tractions(&self.gel, surfaces, region.as_deref())
-            .map_err(ExperimentError::new)?;
+        let tractions =
+            cytometry::tractions(&self.gel, surfaces, region.as_deref(), measured.errors)
+                .map_err(ExperimentError::new)?;
         let all = measured.grid.shape[0] * measured.grid.shape[1];
         let places =
             region.as_ref().map_or(all, |region| region.iter().filter(|in_it| **in_it).count());

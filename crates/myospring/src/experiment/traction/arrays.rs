@@ -3,6 +3,7 @@
 use super::measured::{Displacements, Grid, upward};
 use crate::experiment::{ExperimentError, Files};
 use crate::mechanics::gel::Surface;
+use crate::mechanics::gel::cytometry::Errors;
 use crate::output::npz::{self, Array};
 use std::path::{Path, PathBuf};
 
@@ -14,7 +15,6 @@ pub(super) fn read(
     paths: &[PathBuf; 2],
     spacing: f64,
     unit: f64,
-    frame_rate_per_s: Option<f64>,
     files: &Files,
 ) -> Result<Displacements, ExperimentError> {
     let [u, v] = [array(files, &paths[0])?, array(files, &paths[1])?];
@@ -54,8 +54,9 @@ pub(super) fn read(
     Ok(Displacements {
         frames: (0..surfaces.len()).collect(),
         surfaces,
-        frame_rate_per_s,
+        frame_rate_per_s: None,
         grid: Grid::of_pixels([columns, rows], spacing),
+        errors: Errors::default(),
         followed: None,
     })
 }

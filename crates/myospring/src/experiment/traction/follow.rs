@@ -5,6 +5,7 @@ use super::measured::{Displacements, Grid};
 use crate::experiment::track::{film_name, open_film};
 use crate::experiment::{ExperimentError, Files, Observer};
 use crate::mechanics::gel::Surface;
+use crate::mechanics::gel::cytometry::Errors;
 use crate::mesh::pixel_size::PixelSize;
 use crate::microscopy::film::{FEWEST_FRAMES, Film};
 use crate::microscopy::motion::{
@@ -182,6 +183,7 @@ fn displacements(
         frames,
         frame_rate_per_s: None,
         grid,
+        errors: Errors { overlap: GelMotion::OVERLAP, least_um: motion.error_um.unwrap_or(0.0) },
         followed: Some(followed),
     }
 }

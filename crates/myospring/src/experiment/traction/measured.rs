@@ -2,6 +2,7 @@
 
 use super::followed::Followed;
 use crate::mechanics::gel::Surface;
+use crate::mechanics::gel::cytometry::Errors;
 
 /// Displacements of a gel, frame by frame.
 #[derive(Debug, Clone)]
@@ -13,6 +14,8 @@ pub(super) struct Displacements {
     /// Frames a second.
     pub(super) frame_rate_per_s: Option<f64>,
     pub(super) grid: Grid,
+    /// What is known of the errors of displacements.
+    pub(super) errors: Errors,
     /// What the picture shows where the displacements come from beads.
     pub(super) followed: Option<Followed>,
 }
