@@ -300,22 +300,43 @@ pub(crate) struct TrackArgs {
 /// `myospring traction`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
-    myospring traction u.npy v.npy --pixel-size \"0.63 um\" --gel-modulus \"10 kPa\"\n  \
+    myospring traction beads.tif --gel-modulus \"10 kPa\"                        a film; the gel is at rest in one of its frames\n  \
+    myospring traction beads.tif --reference relaxed.tif --region cell.roi --gel-modulus \"10 kPa\"\n  \
+    myospring traction pulled.tif --reference relaxed.tif --pixel-size \"0.16 um\" --gel-modulus \"10 kPa\"   a pair\n  \
     myospring traction u.npy v.npy --pixel-size \"0.63 um\" --gel-modulus \"10 kPa\" --region cell.png\n  \
     myospring traction u.npy v.npy --pixel-size \"2 um\" --unit \"1 um\" --frame-rate 30 --gel-modulus \"2 kPa\"\n\n\
-    Results: traction.csv (force, contractile moment, energy of the gel and noise floor of each frame), tractions.npz \
-    (tractions in Pa, as the displacements lie), summary.json (also how fine the map is), figures/traction.")]
+    Results: traction.csv (forces, contractile moment, energy of the gel and noise floors of each frame), tractions.npz \
+    (tractions in Pa, rows from the top), summary.json (also beats, and how fine the map is), figures/traction; of beads also \
+    u.npy and v.npy (displacements to the right and downward in pixels of the pictures, for pyTFM).")]
 pub(crate) struct TractionArgs {
-    /// NumPy arrays of the displacements of the gel to the right and downward (.npy), rows from the top: of rows and columns,
-    /// or of frames, rows and columns, as pyTFM has them
-    #[arg(value_name = "U V", num_args = 2, required = true)]
-    pub(crate) displacements: Vec<PathBuf>,
-    /// Distance of neighbouring places of the arrays ("0.63 um")
+    /// Film (.tif, .avi, ...), folder of pictures or one picture of the beads in the gel; or two NumPy arrays (.npy) of the
+    /// displacements of the gel to the right and downward, rows from the top: of rows and columns, or of frames, rows and
+    /// columns, as pyTFM has them
+    #[arg(value_name = "FILM|U V", num_args = 1..=2, required = true)]
+    pub(crate) input: Vec<PathBuf>,
+    /// Side of a pixel of the pictures ("0.16 um") [default: that of the file]; of arrays, the distance of neighbouring places
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
-    pub(crate) pixel_size: String,
-    /// What a displacement of 1 is ("1 um") [default: the distance of neighbouring places]
+    pub(crate) pixel_size: Option<String>,
+    /// Arrays: what a displacement of 1 is ("1 um") [default: the distance of neighbouring places]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) unit: Option<String>,
+    /// Picture of the beads without the cell, or with the cell relaxed [default: a frame of the film, at rest]
+    #[arg(long, value_name = "FILE", help_heading = FILM)]
+    pub(crate) reference: Option<PathBuf>,
+    /// Frame of the film, from 0, in which the cell is at rest [default: the frame that is most like a quarter of the film]
+    #[arg(long, value_name = "N", conflicts_with = "reference", help_heading = FILM)]
+    pub(crate) frame: Option<usize>,
+    /// Side of the squares of the picture that are matched in each frame ("6 um"): larger ones are more reliable, smaller ones
+    /// resolve finer tractions [default: the smallest that hold nine beads]. Of arrays, the side of the windows in which they
+    /// were measured, where these overlap [default: they do not]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) subset: Option<String>,
+    /// Channel of the beads, from 0 [default: 0]
+    #[arg(long, value_name = "N", help_heading = FILM)]
+    pub(crate) channel: Option<usize>,
+    /// Frames a second (30, or "30 /s") [default: that of the film]
+    #[arg(long, value_name = "RATE", allow_hyphen_values = true)]
+    pub(crate) frame_rate: Option<String>,
     /// Young's modulus of the gel ("10 kPa")
     #[arg(long, value_name = "MODULUS", allow_hyphen_values = true)]
     pub(crate) gel_modulus: String,
@@ -325,12 +346,13 @@ pub(crate) struct TractionArgs {
     /// Thickness of the gel, bonded to glass [default: so thick that the glass is not felt]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) gel_thickness: Option<String>,
-    /// Picture of as many rows and columns as the arrays (.png, .tif): tractions are 0 where it is black
+    /// Where the cell is, a little more than it: a picture of the size of the film, of arrays with a pixel for each place
+    /// (.png, .tif), black where the cell is not; or outlines in the film (.roi, .zip, .geojson, .json, .txt)
     #[arg(long, value_name = "FILE")]
     pub(crate) region: Option<PathBuf>,
-    /// Frames a second (30, or "30 /s")
-    #[arg(long, value_name = "RATE", allow_hyphen_values = true)]
-    pub(crate) frame_rate: Option<String>,
+    /// Threads; results do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", help_heading = NUMERICS)]
+    pub(crate) threads: Option<NonZeroUsize>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }

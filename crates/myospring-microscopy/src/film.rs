@@ -50,6 +50,11 @@ enum Frames {
         files: Vec<(String, Vec<u8>)>,
         selection: Selection,
     },
+    /// A picture, then the frames of a film.
+    Led {
+        first: Plane,
+        film: Box<Film>,
+    },
 }
 
 impl Film {
@@ -74,18 +79,26 @@ impl Film {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn read(bytes: Vec<u8>, selection: &Selection) -> Result<Self, FilmError> {
+        Self::read_any(bytes, selection)?.whole()
+    }
+
+    /// As [`Film::read`], of any number of frames: a single picture is a film of one.
+    ///
+    /// # Errors
+    /// Bytes that are not a film or picture, damage, unsupported compression.
+    pub fn read_any(bytes: Vec<u8>, selection: &Selection) -> Result<Self, FilmError> {
         if Avi::is_one(&bytes) {
             let (avi, notes) = Avi::read(bytes)?;
             let (len, size, rate) = (avi.len(), avi.size(), avi.frames_per_second());
             let film = Self::of(Frames::Avi(avi), len, size, rate);
-            return Self { notes, ..film }.whole();
+            return Ok(Self { notes, ..film });
         }
         if Y4m::is_one(&bytes) {
             let (y4m, notes) = Y4m::read(bytes)?;
             let (len, size, rate) = (y4m.len(), y4m.size(), y4m.frames_per_second());
             let samples = Samples::Integer { bits: y4m.bits() };
             let film = Self::of(Frames::Y4m(y4m), len, size, rate);
-            return Self { samples, notes, ..film }.whole();
+            return Ok(Self { samples, notes, ..film });
         }
         let mut selection = Selection { frame: 0, ..*selection };
         let mut first = read_picture(&bytes, &selection)?;
@@ -107,7 +120,7 @@ impl Film {
         let rate = first.frame_interval_s.map(f64::recip);
         let frames = Frames::Tiff { bytes, selection, slices };
         let Picture { pixel_size, samples, .. } = first;
-        Self { pixel_size, samples, notes, ..Self::of(frames, len, size, rate) }.whole()
+        Ok(Self { pixel_size, samples, notes, ..Self::of(frames, len, size, rate) })
     }
 
     /// A film of pictures, each a file with its name; they are put in natural order (`frame2` before `frame10`).
@@ -133,6 +146,21 @@ impl Film {
         let len = files.len();
         let film = Self::of(Frames::Pictures { files, selection }, len, size, None);
         Self { pixel_size, samples, notes, ..film }.whole()
+    }
+
+    /// A film that begins with a picture, such as that of a gel without its cell, and goes on with the frames of this one.
+    ///
+    /// # Errors
+    /// A picture of another size.
+    pub fn after(self, first: Plane) -> Result<Self, FilmError> {
+        let found = [first.width(), first.height()];
+        if found != self.size {
+            return Err(FilmError::Sizes { frame: 0, name: None, expected: self.size, found });
+        }
+        let Self { len, size, pixel_size, frames_per_second, samples, .. } = self;
+        let notes = self.notes.clone();
+        let frames = Frames::Led { first, film: Box::new(self) };
+        Ok(Self { frames, len: len + 1, size, pixel_size, frames_per_second, samples, notes })
     }
 
     fn of(frames: Frames, len: usize, size: [usize; 2], rate: Option<f64>) -> Self {
@@ -184,6 +212,8 @@ impl Film {
                 };
                 read_picture(bytes, &selection).map_err(failed)?.plane
             }
+            Frames::Led { first, .. } if index == 0 => first.clone(),
+            Frames::Led { film, .. } => film.frame(index - 1)?,
             Frames::Pictures { files, selection } => {
                 read_picture(&files[index].1, selection).map_err(failed)?.plane
             }

@@ -19,7 +19,10 @@
 //! frame at rest and the motion of the stage.
 //!
 //! Displacements are um, y upward, as in meshes.
+//!
+//! The beads of a gel are followed alike ([`follow_beads`]), on a lattice over the whole frame, without smoothing.
 
+mod beads;
 mod cell;
 mod doubts;
 mod error;
@@ -28,6 +31,7 @@ mod headline;
 mod level;
 mod measure;
 mod neighbours;
+mod register;
 mod rest;
 mod sarcomeres;
 mod spline;
@@ -36,7 +40,8 @@ mod stripes;
 mod subset;
 mod walk;
 
-pub use cell::{CellAtRest, CellMotion, Progress, TrackingSettings};
+pub use beads::{BeadError, BeadSettings, GelMotion, follow_beads};
+pub use cell::{CellAtRest, CellMotion, Progress, Texture, TrackingSettings};
 pub use error::MotionError;
 pub use headline::{Headline, Measure, Reason};
 pub use measure::Stretches;

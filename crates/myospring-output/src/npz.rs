@@ -171,14 +171,15 @@ pub fn read(bytes: &[u8]) -> Result<BTreeMap<String, Array>, NpzError> {
     Ok(arrays)
 }
 
-/// Reads the array of a NumPy file, `.npy`: 64-bit or 32-bit floats (which become 64-bit) or 32-bit whole numbers, in the
-/// order of C; `None` of anything else.
+/// Reads the array of a NumPy file, `.npy`: 64-bit or 32-bit floats (which become 64-bit) or 32-bit whole numbers, row by row
+/// or column by column; `None` of anything else.
 pub fn from_npy(bytes: &[u8]) -> Option<Array> {
     let rest = bytes.strip_prefix(MAGIC.as_slice())?;
     let (length, rest) = rest.split_first_chunk::<2>()?;
     let (header, content) = rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))?;
     let header = std::str::from_utf8(header).ok()?;
-    if !header.contains("'fortran_order': False") {
+    let by_column = header.contains("'fortran_order': True");
+    if !by_column && !header.contains("'fortran_order': False") {
         return None;
     }
     let (_, lengths) = header.split_once("'shape': (")?;
@@ -204,7 +205,33 @@ pub fn from_npy(bytes: &[u8]) -> Option<Array> {
         ArrayNumbers::Floats(numbers) => numbers.len(),
         ArrayNumbers::Whole(numbers) => numbers.len(),
     };
-    (found == count).then_some(Array { shape, numbers })
+    if found != count {
+        return None;
+    }
+    let numbers = match numbers {
+        numbers if !by_column => numbers,
+        ArrayNumbers::Floats(numbers) => ArrayNumbers::Floats(by_row(&numbers, &shape)),
+        ArrayNumbers::Whole(numbers) => ArrayNumbers::Whole(by_row(&numbers, &shape)),
+    };
+    Some(Array { shape, numbers })
+}
+
+/// Numbers whose first index runs fastest, as NumPy has them in the order of Fortran, with the last one fastest.
+fn by_row<T: Copy>(numbers: &[T], shape: &[usize]) -> Vec<T> {
+    let mut indices = vec![0; shape.len()];
+    let mut ordered = Vec::with_capacity(numbers.len());
+    for _ in numbers {
+        let at = indices.iter().zip(shape).rev().fold(0, |at, (index, length)| at * length + index);
+        ordered.push(numbers[at]);
+        for (index, length) in indices.iter_mut().zip(shape).rev() {
+            *index += 1;
+            if *index < *length {
+                break;
+            }
+            *index = 0;
+        }
+    }
+    ordered
 }
 
 #[cfg(test)]
@@ -241,5 +268,16 @@ mod tests {
         assert_eq!(from_npy(&file), Some(whole));
         file.pop();
         assert_eq!(from_npy(&file), None);
+    }
+
+    #[test]
+    fn an_array_that_is_stored_column_by_column_is_the_same_array() {
+        let array = Array::floats([2, 3, 4], (0..24).map(f64::from));
+        // As `numpy.asfortranarray` stores it: the first index runs fastest.
+        let stored = (0..24).map(|at| f64::from(12 * (at % 2) + 4 * (at / 2 % 3) + at / 6));
+        let mut file = to_npy(&Array::floats([2, 3, 4], stored));
+        let at = file.windows(6).position(|part| part == b"False,").unwrap();
+        file[at..at + 6].copy_from_slice(b"True, ");
+        assert_eq!(from_npy(&file), Some(array));
     }
 }

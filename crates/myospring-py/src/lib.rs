@@ -24,6 +24,7 @@ mod settings;
 mod study;
 mod tension_map;
 mod track;
+mod traction;
 mod waiting;
 mod whole_frame;
 mod words;
@@ -50,6 +51,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<compare::Comparison>()?;
     module.add_class::<track::Motion>()?;
     module.add_class::<track::Motions>()?;
+    module.add_class::<traction::Tractions>()?;
     module.add_class::<study::Study>()?;
     module.add_class::<study::Members>()?;
     module.add_class::<segment::Segmentation>()?;
@@ -72,6 +74,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(presets::load, module)?)?;
     module.add_function(wrap_pyfunction!(track::track, module)?)?;
     module.add_function(wrap_pyfunction!(track::track_all, module)?)?;
+    module.add_function(wrap_pyfunction!(traction::traction_of_arrays, module)?)?;
+    module.add_function(wrap_pyfunction!(traction::traction_of_beads, module)?)?;
     module.add_function(wrap_pyfunction!(metrics::metrics, module)?)?;
     module.add_function(wrap_pyfunction!(pictures::tiff, module)?)?;
     module.add_function(wrap_pyfunction!(whole_frame::whole_frame, module)?)?;

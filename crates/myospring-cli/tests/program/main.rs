@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop here")]
 
 mod analyse;
+#[path = "../../../myospring/tests/common/bead_film.rs"]
+mod bead_film;
 mod compare;
 mod damaged;
 mod drive;
@@ -13,6 +15,8 @@ mod outputs;
 mod paper;
 #[path = "../../../myospring/tests/common/skipped.rs"]
 mod skipped;
+#[path = "../../../myospring/tests/common/synthetic_cell.rs"]
+mod synthetic_cell;
 mod track;
 mod traction;
 mod tutorials;

@@ -1,6 +1,7 @@
 //! `myospring traction`: from the displacements of a gel to the force on it.
 
-use super::{myospring, stderr, stdout};
+use super::bead_film::BeadScene;
+use super::{json, myospring, names, stderr, stdout};
 use myospring::output::npz::{Array, from_npy, to_npy};
 use std::fs;
 use std::path::Path;
@@ -107,5 +108,108 @@ fn arrays_that_do_not_fit_are_refused_with_the_place_and_nothing_is_written() {
     let solid = ["traction", "u.npy", "u.npy", "--gel-modulus", "1 kPa", "--gel-poisson", "0.5"];
     let solid = myospring(at, &[&solid[..], &size].concat());
     assert!(stderr(&solid).contains("below 0.5"), "{}", stderr(&solid));
+    assert!(!at.join("results").exists());
+}
+
+/// Two beats in 24 frames, from rest to rest.
+fn beats() -> Vec<f64> {
+    let part = |frame: usize| match frame % 12 {
+        at @ 4..=9 => (std::f64::consts::PI * (at - 3) as f64 / 7.0).sin().powi(2),
+        _ => 0.0,
+    };
+    (0..24).map(part).collect()
+}
+
+#[test]
+fn a_film_of_beads_gives_forces_that_other_commands_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let scene = BeadScene { pixel_um: 0.3, ..BeadScene::default() };
+    fs::write(at.join("beads.y4m"), scene.film(&beats(), 12)).unwrap();
+    fs::write(at.join("relaxed.y4m"), scene.reference()).unwrap();
+    fs::write(at.join("cell.geojson"), scene.region()).unwrap();
+    let gel = ["--gel-modulus", "5 kPa"];
+    let options = ["--pixel-size", "0.3 um", "--region", "cell.geojson"];
+    let found = myospring(at, &[&["traction", "beads.y4m"], &gel[..], &options].concat());
+    assert!(found.status.success(), "{}", stderr(&found));
+    let said = stdout(&found);
+    for words in
+        ["relative to the cell at rest", "axial force", "beats of the axial force: 2 whole"]
+    {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let results = at.join("results/beads_traction");
+    for file in ["figures", "summary.json", "traction.csv", "tractions.npz", "u.npy", "v.npy"] {
+        assert!(names(&results).contains(&file.to_owned()), "{file}");
+    }
+    // The table has the same beats.
+    let table = "results/beads_traction/traction.csv";
+    let read = json(&myospring(at, &["analyse", table, "--json", "--output", "read"]));
+    let numbers: serde_json::Value =
+        serde_json::from_slice(&fs::read(results.join("summary.json")).unwrap()).unwrap();
+    let curves = read["curves"].as_array().unwrap();
+    let kinds: Vec<[&str; 3]> = curves
+        .iter()
+        .map(|curve| ["curve", "kind", "unit"].map(|key| curve[key].as_str().unwrap()))
+        .collect();
+    assert_eq!(
+        kinds,
+        [
+            ["traction_force_nN", "force", "nN"],
+            ["axial_force_nN", "force", "nN"],
+            ["contractile_moment_fJ", "moment", "fJ"]
+        ]
+    );
+    let developed = |curve: &serde_json::Value| {
+        let metrics = curve["metrics"].as_array().unwrap();
+        let found = metrics.iter().find(|metric| metric["name"] == "developed_tension");
+        found.unwrap()["mean"].as_f64().unwrap()
+    };
+    let [own, of_table] = [developed(&numbers["beats"]), developed(&curves[1])];
+    assert!((own / of_table - 1.0).abs() < 1e-3, "{own} {of_table}");
+    // The displacements are those that arrays give, in pixels of the film.
+    let spacing = 0.3 * numbers["beads"]["spacing_px"].as_f64().unwrap();
+    let arrays = ["results/beads_traction/u.npy", "results/beads_traction/v.npy"];
+    let size = format!("{spacing} um");
+    let subset = format!("{} um", numbers["beads"]["subset_um"]);
+    let size =
+        ["--pixel-size", &size, "--unit", "0.3 um", "--subset", &subset, "--output", "again"];
+    let again = json(&myospring(at, &[&["traction", "--json"], &arrays[..], &gel, &size].concat()));
+    let moved = |of: &serde_json::Value| of["displacement_noise_um"].as_f64().unwrap();
+    assert!((moved(&again) / moved(&numbers) - 1.0).abs() < 1e-6);
+    // A pair.
+    fs::write(at.join("pulled.y4m"), scene.film(&[1.0], 12)).unwrap();
+    let pair = ["traction", "pulled.y4m", "--reference", "relaxed.y4m", "--json"];
+    let pair = json(&myospring(at, &[&pair, &gel[..], &options].concat()));
+    let force = pair["largest_force"]["axial_force_nN"].as_f64().unwrap();
+    assert!((force / scene.truth().axial_force_nn - 1.0).abs() < 0.1, "{force}");
+    let u = array(&at.join("results/pulled_traction/u.npy"));
+    assert_eq!(u.shape().len(), 2);
+}
+
+#[test]
+fn options_and_files_that_do_not_go_together_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let scene = BeadScene { pixel_um: 0.5, ..BeadScene::default() };
+    fs::write(at.join("pulled.y4m"), scene.film(&[1.0], 1)).unwrap();
+    fs::write(at.join("u.npy"), to_npy(&Array::floats([10, 12], [0.5; 120]))).unwrap();
+    for (arguments, said) in [
+        (&["u.npy"][..], "is one array"),
+        (&["pulled.y4m", "pulled.y4m"], "--reference pulled.y4m"),
+        (&["u.npy", "u.npy"], "--pixel-size is missing"),
+        (
+            &["u.npy", "u.npy", "--pixel-size", "1 um", "--channel", "1"],
+            "--channel is for pictures",
+        ),
+        (&["pulled.y4m", "--unit", "1 um"], "--unit is for arrays"),
+        (&["pulled.y4m"], "is one picture"),
+        (&["pulled.y4m", "--reference", "pulled.y4m"], "does not say how large its pixels are"),
+        (&["pulled.y4m", "--reference", "none.tif", "--pixel-size", "0.5 um"], "none.tif"),
+    ] {
+        let refused = myospring(at, &[&["traction", "--gel-modulus", "1 kPa"], arguments].concat());
+        assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
+        assert!(stderr(&refused).contains(said), "{arguments:?}: {}", stderr(&refused));
+    }
     assert!(!at.join("results").exists());
 }

@@ -19,6 +19,7 @@ pub mod cytometry;
 mod description;
 mod green;
 mod layer;
+pub mod pull;
 mod surface;
 mod wave;
 

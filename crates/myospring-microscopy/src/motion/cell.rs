@@ -11,10 +11,24 @@ use myospring_core::mesh::pixel_size::PixelSize;
 pub struct TrackingSettings {
     /// Frames a second.
     pub frames_per_second: f64,
-    /// Side of a subset, um; limited to 17 to 61 pixels.
+    /// Side of a subset, um; limited to 17 to 61 pixels, or of beads to 161.
     pub subset_um: f64,
     /// Number of threads; `None` uses one per core. Results do not depend on it.
     pub threads: Option<usize>,
+    /// What the pictures show, which decides how far points may be searched.
+    pub texture: Texture,
+}
+
+/// The texture whose motion is followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Texture {
+    /// The inside of a cell, with stripes that repeat at the length of a sarcomere.
+    Cell,
+    /// Beads at random places. Displacements are not smoothed, and the whole picture may jump between frames.
+    Beads {
+        /// Mean distance of beads, um.
+        distance_um: f64,
+    },
 }
 
 impl TrackingSettings {
@@ -27,7 +41,12 @@ impl TrackingSettings {
 
     /// The defaults for a frame rate.
     pub const fn at(frames_per_second: f64) -> Self {
-        Self { frames_per_second, subset_um: Self::SUBSET_UM, threads: None }
+        Self {
+            frames_per_second,
+            subset_um: Self::SUBSET_UM,
+            threads: None,
+            texture: Texture::Cell,
+        }
     }
 }
 

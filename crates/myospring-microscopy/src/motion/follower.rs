@@ -1,9 +1,10 @@
 //! One cell in the frame at rest, and the search for its points in other frames.
 
-use super::cell::{CellAtRest, TrackingSettings, spacing};
+use super::cell::{CellAtRest, Texture, TrackingSettings, spacing};
 use super::error::MotionError;
 use super::level::{Detail, Field, Level, SMOOTHING, mask};
-use super::neighbours::REACH;
+use super::neighbours::{REACH, median};
+use super::register::Registration;
 use super::rest::Rest;
 use super::spline::Spline;
 use super::stripes::Stripes;
@@ -12,8 +13,9 @@ use crate::filter;
 use crate::outlines::PixelFrame;
 use crate::plane::Plane;
 
-/// Half of the smallest and of the largest side of a subset, pixels.
+/// Half of the smallest and of the largest side of a subset, pixels; beads may be many pixels apart.
 const HALVES: [usize; 2] = [8, 30];
+const MOST_HALF_OF_BEADS: usize = 80;
 /// Width of the band outside the cell that is also used, um, because it contains the blurred rim.
 const RIM_UM: f64 = 0.6;
 /// Blur that removes stripes, um, and its least value in pixels; pixels of the film per pixel of
@@ -24,11 +26,19 @@ const COARSE_UM: f64 = 0.8;
 /// Half of a coarse subset's side, pixels of its level, and the distance of its points, um.
 const COARSE_HALF: usize = 9;
 const COARSE_APART_UM: f64 = 4.0;
+/// Of beads: blur and coarse pixels that merge neighbouring beads, and the distance of coarse points, in mean distances of
+/// beads; half of a coarse subset's side, pixels of its level.
+const BEADS_BLUR: f64 = 0.5;
+const BEADS_APART: f64 = 2.0;
+const BEADS_HALF: usize = 6;
 /// If the coarse level differs from the frame before by at least this, it is used as a second
 /// start, pixels.
 const ANOTHER_START: f32 = 0.3;
-/// Largest deviation of a point from its neighbours, um: well below half a sarcomere.
+/// Largest deviation of a point from its neighbours, um: well below half a sarcomere; of beads, in their mean distances.
 const OFF_UM: f64 = 0.4;
+const BEADS_OFF: f64 = 0.5;
+/// A whole picture that is at least this far from its place in the last frame has jumped, pixels.
+const JUMP: f32 = 3.0;
 /// Distance of adjacent points, in spacings of the lattice.
 const NEXT: f32 = 1.5;
 /// Least part of the points that must be found in the median frame.
@@ -45,6 +55,8 @@ pub(super) struct Follower<'a> {
     standing: Vec<Vec<(usize, f32)>>,
     points: Vec<[f32; 2]>,
     pub(super) stripes: Stripes,
+    /// The whole picture at rest, if it may jump between frames.
+    registration: Option<Registration>,
 }
 
 /// Result of one frame.
@@ -57,11 +69,48 @@ pub(super) struct Frame {
 pub(super) struct Seen {
     pub(super) fine: Spline,
     coarse: Spline,
+    /// Shift of the whole picture from rest, pixels.
+    shift: Option<[f32; 2]>,
+}
+
+/// Lengths that depend on what is followed, um unless stated.
+struct Scales {
+    /// Largest deviation of a point from its neighbours.
+    off: f64,
+    /// Blur and pixels of the coarse level.
+    blur: f64,
+    coarse: f64,
+    /// Half of a coarse subset's side, pixels of that level.
+    coarse_half: usize,
+    /// Distance of coarse points.
+    apart: f64,
+}
+
+impl Scales {
+    fn of(texture: Texture) -> Self {
+        match texture {
+            Texture::Cell => Self {
+                off: OFF_UM,
+                blur: BLUR_UM,
+                coarse: COARSE_UM,
+                coarse_half: COARSE_HALF,
+                apart: COARSE_APART_UM,
+            },
+            Texture::Beads { distance_um } => Self {
+                off: BEADS_OFF * distance_um,
+                blur: BEADS_BLUR * distance_um,
+                coarse: BEADS_BLUR * distance_um,
+                coarse_half: BEADS_HALF,
+                apart: BEADS_APART * distance_um,
+            },
+        }
+    }
 }
 
 /// Half of a subset's side, pixels.
-pub(super) fn half(subset_um: f64, pixel_um: f64) -> usize {
+pub(super) fn half(subset_um: f64, pixel_um: f64, texture: Texture) -> usize {
     let [least, most] = HALVES;
+    let most = if texture == Texture::Cell { most } else { MOST_HALF_OF_BEADS };
     let half = ((subset_um / pixel_um - 1.0) / 2.0).round().max(0.0) as usize;
     half.clamp(least, most)
 }
@@ -82,12 +131,15 @@ impl<'a> Follower<'a> {
             .map(|node| frame.to_pixels(cell.mesh.point(node)).map(|at| (at - 0.5) as f32))
             .collect();
         let spacing = spacing(cell.mesh) / pixel_um;
+        let (texture, scales) = (settings.texture, Scales::of(settings.texture));
+        let smooths = texture == Texture::Cell;
         let detail = Detail {
             factor: 1,
             blur: SMOOTHING,
-            half: half(settings.subset_um, pixel_um),
+            half: half(settings.subset_um, pixel_um, texture),
             reach: [REACH, NEXT].map(|part| part * spacing as f32),
-            off_by: [0.25, (OFF_UM / pixel_um).max(1.0) as f32],
+            off_by: [0.25, (scales.off / pixel_um).max(1.0) as f32],
+            smooths,
         };
         let allowed = mask(plane, |at| cell.inside[at]);
         let allowed =
@@ -101,23 +153,26 @@ impl<'a> Follower<'a> {
             });
         }
 
-        let factor = ((COARSE_UM / pixel_um).round() as usize).max(2);
-        let blur = (BLUR_UM / pixel_um).max(LEAST_BLUR);
-        let chosen = scattered(&points, (COARSE_APART_UM / pixel_um).max(spacing) as f32);
-        let apart = ((COARSE_APART_UM / pixel_um).max(spacing) / factor as f64) as f32;
+        let factor = ((scales.coarse / pixel_um).round() as usize).max(2);
+        let blur = (scales.blur / pixel_um).max(LEAST_BLUR);
+        let apart = (scales.apart / pixel_um).max(spacing);
+        let chosen = scattered(&points, apart as f32);
+        let apart = (apart / factor as f64) as f32;
         let coarse_detail = Detail {
             factor,
             blur,
-            half: COARSE_HALF,
+            half: scales.coarse_half,
             reach: [3.5 * apart, 2.0 * apart],
             off_by: [0.3, 1.0],
+            smooths: true,
         };
         let coarse_points: Vec<[f32; 2]> = chosen.iter().map(|&point| points[point]).collect();
         let coarse = Level::new(plane, &coarse_points, &allowed, rest.noise, coarse_detail);
         let standing = standing(&points, &coarse_points, apart * factor as f32);
         let stripes = cell.fibres.map(|field| Stripes::new(field, &points, &frame));
         let stripes = stripes.unwrap_or_default();
-        Ok(Self { cell, fine, coarse, chosen, standing, points, stripes })
+        let registration = (texture != Texture::Cell).then(|| Registration::of(plane));
+        Ok(Self { cell, fine, coarse, chosen, standing, points, stripes, registration })
     }
 
     /// The points at rest.
@@ -128,11 +183,14 @@ impl<'a> Follower<'a> {
     /// Prepares a frame for all cells of the film: only what depends on the pixel size is used.
     pub(super) fn see(&self, plane: &Plane) -> Seen {
         let (fine, coarse) = rayon::join(|| self.fine.look(plane), || self.coarse.look(plane));
-        Seen { fine, coarse }
+        let shift = self.registration.as_ref().and_then(|rest| rest.shift(plane));
+        Seen { fine, coarse, shift }
     }
 
     /// Follows all points into a frame.
     pub(super) fn frame(&self, seen: &Seen, last: &[Warp]) -> Frame {
+        let jumped = seen.shift.and_then(|shift| jumped(last, shift));
+        let last = jumped.as_deref().unwrap_or(last);
         let start: Vec<Warp> = self.chosen.iter().map(|&point| last[point]).collect();
         let coarse = self.coarse.follow(&seen.coarse, &[&start]);
         // Change since the last frame according to the coarse level, interpolated to all points.
@@ -193,6 +251,17 @@ impl<'a> Follower<'a> {
         }
         (total > 0.0).then(|| Warp { shift: all.shift.map(|shift| shift / total), ..all })
     }
+}
+
+/// The warps of the last frame, moved to where the whole picture is now; `None` if it is near there.
+fn jumped(last: &[Warp], to: [f32; 2]) -> Option<Vec<Warp>> {
+    let from = [0, 1].map(|a: usize| median(last.iter().map(|warp| warp.shift[a]).collect()));
+    let by = [0, 1].map(|a: usize| to[a] - from[a]);
+    let moved = |warp: &Warp| Warp {
+        shift: [warp.shift[0] + by[0], warp.shift[1] + by[1]],
+        gradient: warp.gradient,
+    };
+    (by[0].hypot(by[1]) > JUMP).then(|| last.iter().map(moved).collect())
 }
 
 /// Indices of some points: at most one in each square of a grid.

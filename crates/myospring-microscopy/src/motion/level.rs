@@ -40,6 +40,8 @@ pub(super) struct Detail {
     pub(super) reach: [f32; 2],
     /// Bounds of the largest deviation of a point from its neighbours, pixels of this level.
     pub(super) off_by: [f32; 2],
+    /// Whether points that were found are averaged with their neighbours.
+    pub(super) smooths: bool,
 }
 
 /// All points at one level of detail.
@@ -279,6 +281,9 @@ impl Level {
         let lone = Warp { shift, ..Warp::default() };
         let factor = self.detail.factor as f32;
         let smooth = |point: usize| {
+            if let (false, Some(own)) = (self.detail.smooths, &found[point]) {
+                return own.warp.scaled(factor);
+            }
             let know =
                 |other: usize| found[other].map(|found| (found.warp.shift, self.weights[other]));
             let fitted = self.neighbours.fitted(point, know);

@@ -4,6 +4,7 @@ use crate::film::{Film, FilmError};
 use crate::filter;
 use crate::picture::Samples;
 use crate::plane::Plane;
+use myospring_core::analysis::order;
 use rayon::prelude::*;
 
 /// Largest number of frames that are compared with each other, and of values of each.
@@ -17,6 +18,8 @@ const BESIDE: usize = 3;
 const REPEATED: f64 = 0.25;
 /// Standard deviation of the error of rounding to whole numbers.
 const ROUNDING: f64 = 0.288_675;
+/// Standard deviation of a normal distribution over its median absolute value.
+const FROM_MEDIAN: f64 = 1.4826;
 
 /// The frame at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,14 +79,47 @@ impl Rest {
         // A repeat has no noise of its own, or almost none in a compressed film.
         let repeated = REPEATED * found.get(found.len() / 2).copied().unwrap_or(0.0);
         let noise = found.into_iter().find(|noise| *noise > repeated).unwrap_or(f64::INFINITY);
-        let [low, high] = rest.range();
-        let least = match film.samples {
-            Samples::Integer { .. } => ROUNDING,
-            Samples::Float { .. } => 1e-4 * f64::from(high - low),
-        };
+        let least = least_noise(film, &rest);
         let noise = if noise.is_finite() { noise.max(least) } else { least };
         Ok(Self { frame, noise, contrast: deviation(rest.values()) })
     }
+
+    /// Uses a frame that belongs to no film, such as a picture of the relaxed gel: its noise is that of the differences of
+    /// neighbouring pixels.
+    ///
+    /// # Errors
+    /// A frame that does not exist or cannot be read.
+    pub fn alone(film: &Film, frame: usize) -> Result<Self, FilmError> {
+        let rest = film.frame(frame)?;
+        let noise = noise_of(&rest).max(least_noise(film, &rest));
+        Ok(Self { frame, noise, contrast: deviation(rest.values()) })
+    }
+}
+
+/// Noise that a film has at least, grey levels.
+fn least_noise(film: &Film, plane: &Plane) -> f64 {
+    let [low, high] = plane.range();
+    match film.samples {
+        Samples::Integer { .. } => ROUNDING,
+        Samples::Float { .. } => 1e-4 * f64::from(high - low),
+    }
+}
+
+/// Standard deviation of the noise of one picture, from its second differences along both axes at once, which slopes and
+/// curvature of one axis leave at 0 (`immerkaer_1996`); their median, since the picture has edges in some places only.
+fn noise_of(plane: &Plane) -> f64 {
+    let (width, height) = (plane.width(), plane.height());
+    let rows = 1..height.saturating_sub(1);
+    let inner = rows.flat_map(|row| (1..width.saturating_sub(1)).map(move |column| (column, row)));
+    let mixed = |(column, row): (usize, usize)| {
+        let along = |row: usize| {
+            plane.at(column - 1, row) - 2.0 * plane.at(column, row) + plane.at(column + 1, row)
+        };
+        (along(row - 1) - 2.0 * along(row) + along(row + 1)).abs()
+    };
+    let sizes: Vec<f32> = inner.map(mixed).collect();
+    // The sum of the squares of the kernel is 36.
+    order::median(sizes).map_or(0.0, |median| FROM_MEDIAN * f64::from(median) / 6.0)
 }
 
 fn deviation(values: &[f32]) -> f64 {

@@ -66,7 +66,8 @@ impl Background {
             return None;
         }
         let reach = [2.6, 1.5].map(|part| part * apart as f32);
-        let detail = Detail { factor: 1, blur: SMOOTHING, half, reach, off_by: [0.25, 1.0] };
+        let detail =
+            Detail { factor: 1, blur: SMOOTHING, half, reach, off_by: [0.25, 1.0], smooths: true };
         let level = Level::new(rest, &points, &allowed, noise, detail);
         let len = (level.textured_share() * points.len() as f64).round() as usize;
         (len >= FEWEST).then_some(Self { level, len })

@@ -53,7 +53,7 @@ impl<'a> Walk<'a> {
         let plane = film.frame(rest.frame)?;
         let first = cells.first();
         let pixel_um = first.map_or(1.0, |cell| cell.pixel_size.um());
-        let half = follower::half(settings.subset_um, pixel_um);
+        let half = follower::half(settings.subset_um, pixel_um, settings.texture);
         let background = first
             .and_then(|cell| Background::new(&plane, cell.any_cell, pixel_um, rest.noise, half));
         let cells =

@@ -31,6 +31,7 @@ from myospring._segment import SegmentedCell, Segmentation, segment
 from myospring._study import Index, Morris, Sobol, StudyResult, run_study
 from myospring._tension_map import TensionFrames, TensionMap, tension_map
 from myospring._track import FilmCells, Motion, track
+from myospring._traction import Tractions, traction
 from myospring._whole_frame import WholeFrame, whole_frame
 
 # Without a handler of the user's, nothing is shown.
@@ -69,6 +70,7 @@ __all__ = [
     "StudyResult",
     "TensionFrames",
     "TensionMap",
+    "Tractions",
     "TriedModel",
     "UnknownNameError",
     "WholeFrame",
@@ -89,5 +91,6 @@ __all__ = [
     "tension_map",
     "simulate_preset",
     "track",
+    "traction",
     "whole_frame",
 ]

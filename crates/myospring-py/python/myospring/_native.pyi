@@ -17,6 +17,7 @@ __all__ = [
     "Comparison",
     "Motion",
     "Motions",
+    "Tractions",
     "Study",
     "Members",
     "Segmentation",
@@ -34,6 +35,8 @@ __all__ = [
     "compare",
     "track",
     "track_all",
+    "traction_of_arrays",
+    "traction_of_beads",
     "presets",
     "preset_cell",
     "simulate_preset",
@@ -206,6 +209,22 @@ class Motions:
     ) -> str | PathLike[str]: ...
 
 @final
+class Tractions:
+    @property
+    def numbers(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @staticmethod
+    def columns() -> list[str]: ...
+    def column(self, name: str) -> NDArray[np.float64]: ...
+    @property
+    def frames(self) -> NDArray[np.uint64]: ...
+    def field(self, name: str) -> NDArray[np.float64]: ...
+    @property
+    def spacing_um(self) -> float: ...
+    def save(self, folder: str | PathLike[str], force: bool) -> str | PathLike[str]: ...
+
+@final
 class FilmFit:
     @property
     def cell(self) -> Cell: ...
@@ -375,6 +394,28 @@ def track_all(
     threads: int | None,
     progress: _Progress,
 ) -> Motions: ...
+def traction_of_arrays(
+    displacements: tuple[NDArray[np.float64], NDArray[np.float64]],
+    spacing_um: float,
+    subset_um: float | None,
+    gel: tuple[float, float, float | None],
+    region: str | None,
+    frame_rate_per_s: float | None,
+    progress: _Progress,
+) -> Tractions: ...
+def traction_of_beads(
+    film: str,
+    reference: str | None,
+    rest: int | None,
+    pixel_size_um: float | None,
+    subset_um: float | None,
+    channel: int | None,
+    gel: tuple[float, float, float | None],
+    region: str | None,
+    frame_rate_per_s: float | None,
+    threads: int | None,
+    progress: _Progress,
+) -> Tractions: ...
 def fit_film(
     film: str,
     given: dict[str, Any],

@@ -10,6 +10,8 @@ mod report;
 mod tracked;
 
 pub use cells::{FilmCell, TrackCells, TrackedCells};
+pub(in crate::experiment) use open::{name as film_name, open as open_film};
+
 pub use description::{Output, Track};
 pub use followed::Followed;
 pub use report::{HeadlineReport, TrackReport};

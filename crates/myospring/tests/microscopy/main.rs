@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests may fail")]
 
+#[path = "../common/bead_film.rs"]
+mod bead_film;
 #[path = "../common/cells_film.rs"]
 mod cells_film;
 #[path = "../common/mod.rs"]
@@ -26,6 +28,7 @@ mod touching_cells;
 mod warped_film;
 
 mod adhesion;
+mod beads;
 mod fibres;
 mod film_cells;
 mod films;

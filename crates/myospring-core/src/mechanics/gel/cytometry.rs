@@ -11,6 +11,9 @@
 //! the sum of `1 - f` least, with `f = g^2/(g^2 + lambda^2)`. The displacements that the damped
 //! tractions do not explain estimate the noise of the displacements; the noise of the tractions follows from it.
 //!
+//! Displacements that were measured in overlapping squares share their errors with their neighbours, so the noise seems smaller than it
+//! is. Smoothing and noise are then those of the places that are so far apart that their squares do not overlap.
+//!
 //! With a region, tractions are 0 outside of it: they are those whose displacements, in an endless plane, are nearest to the
 //! measured ones up to a shift, with the same `lambda`, by conjugate gradients on the normal equations.
 
@@ -18,6 +21,7 @@ use super::conjugate;
 use super::convolution::{Convolution, Number, Waves};
 use super::description::{Gel, GelError};
 use super::green::Green;
+use super::pull::PullAxis;
 use super::surface::Surface;
 use super::wave;
 use crate::mechanics::vectors::{Vectors, add_scaled};
@@ -29,6 +33,25 @@ const DECADES: f64 = 6.0;
 /// Rounds of conjugate gradients, and the part of the residual at which they end.
 const ROUNDS: usize = 200;
 const ENOUGH: f64 = 1e-6;
+/// Fewest places along an axis of a surface from which noise is estimated.
+const FEWEST: usize = 4;
+
+/// What is known of the errors of displacements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    /// Along each axis, the number of places that share their errors since they were measured in overlapping squares; 1 where
+    /// each has its own.
+    pub overlap: usize,
+    /// Standard deviation that they have at least, um. Noise below what the shortest waves move cannot be found otherwise.
+    pub least_um: f64,
+}
+
+impl Default for Errors {
+    /// Each place has its own error, of unknown size.
+    fn default() -> Self {
+        Self { overlap: 1, least_um: 0.0 }
+    }
+}
 
 /// Tractions on a gel, at the places of a surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +66,8 @@ pub struct Tractions {
     pub noise_um: f64,
     /// Standard deviation of a traction that this noise makes, Pa, where tractions are not confined to a region.
     pub noise_pa: f64,
+    /// Along each axis, the number of places that share their errors.
+    pub overlap: usize,
 }
 
 impl Tractions {
@@ -84,7 +109,7 @@ struct Wave {
 /// The tractions of a simulated cell, from the displacements around it:
 /// ```
 /// use myospring::mechanics::compliance::Compliance;
-/// use myospring::mechanics::gel::cytometry::tractions;
+/// use myospring::mechanics::gel::cytometry::{Errors, tractions};
 /// use myospring::mechanics::gel::{Gel, GelBed};
 /// use myospring::mesh::lattice;
 ///
@@ -96,7 +121,7 @@ struct Wave {
 /// let total: f64 = forces[0].iter().zip(&forces[1]).map(|(x, y)| x.hypot(*y)).sum();
 /// let surface = bed.surface(&forces, 1.0);
 /// let inside = surface.within(|[x, y]| (-1.0..41.0).contains(&x) && (-1.0..13.0).contains(&y));
-/// let found = tractions(&gel, &[surface], Some(&inside))?;
+/// let found = tractions(&gel, &[surface], Some(&inside), Errors::default())?;
 /// assert!((found[0].force_nn(1.0, Some(&inside)) / total - 1.0).abs() < 0.05);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -104,24 +129,29 @@ pub fn tractions(
     gel: &Gel,
     surfaces: &[Surface],
     region: Option<&[bool]>,
+    errors: Errors,
 ) -> Result<Vec<Tractions>, GelError> {
     let Some(first) = surfaces.first() else { return Ok(Vec::new()) };
     gel.check_spacing(first.spacing)?;
     let places = first.shape[0] * first.shape[1];
     let waves = Waves::new(first.shape);
-    let spectra: Vec<Spectrum> = surfaces
+    // A surface of few places cannot be parted.
+    let overlap = errors.overlap.clamp(1, (first.shape[0].min(first.shape[1]) / FEWEST).max(1));
+    let spectra: Vec<Vec<Spectrum>> = surfaces
         .iter()
         .map(|surface| {
             assert_eq!(surface.shape, first.shape, "surfaces of one shape");
             let lengths = surface.displacements.each_ref().map(Vec::len);
             assert_eq!(lengths, [places; 2], "one displacement for each place");
-            Spectrum::of(gel, surface, &waves)
+            let parts = parted(surface, overlap);
+            parts.iter().map(|part| Spectrum::of(gel, part, &Waves::new(part.shape))).collect()
         })
         .collect();
     let smoothing = cross_validated(&spectra);
     let inverse = region.map(|region| Confined::new(gel, first, region, smoothing));
-    let one = |(surface, spectrum): (&Surface, &Spectrum)| {
-        let [noise_um, gain] = spectrum.noise(smoothing);
+    let one = |(surface, spectra): (&Surface, &Vec<Spectrum>)| {
+        let [noise_um, gain] = noise(spectra, smoothing);
+        let noise_um = noise_um.max(errors.least_um);
         let tractions = match &inverse {
             Some(inverse) => inverse.tractions(surface),
             None => everywhere(gel, surface, &waves, smoothing),
@@ -130,12 +160,31 @@ pub fn tractions(
             // kPa.
             tractions_pa: tractions.map(|axis| axis.into_iter().map(|t| 1e3 * t).collect()),
             smoothing,
-            shortest_wave_um: spectrum.shortest(smoothing),
+            shortest_wave_um: shortest(spectra, smoothing),
             noise_um,
             noise_pa: 1e3 * noise_um * gain,
+            overlap,
         }
     };
     Ok(surfaces.iter().zip(&spectra).map(one).collect())
+}
+
+/// Standard deviation of the axial force that noise of the displacements alone makes, nN; of tractions within a region as if
+/// they had not been confined to it.
+pub fn axial_noise_nn(
+    gel: &Gel,
+    surface: &Surface,
+    found: &Tractions,
+    axis: &PullAxis,
+    region: Option<&[bool]>,
+) -> f64 {
+    // Tractions are `K u` with a symmetric `K`, so a force `w . K u` has the variance `noise^2 |K w|^2`.
+    let weights = Surface { displacements: axis.weights(surface, region), ..surface.clone() };
+    let waves = Waves::new(surface.shape);
+    let gathered = everywhere(gel, &weights, &waves, found.smoothing);
+    let squares = gathered.iter().flatten().map(|value| value * value).sum::<f64>();
+    // The weights are those of Pa. Places that share an error have it all together.
+    1e3 * found.noise_um * found.overlap as f64 * squares.sqrt()
 }
 
 /// Tractions (kPa) of all waves, damped.
@@ -219,33 +268,59 @@ impl Spectrum {
         })
     }
 
-    /// Standard deviation of the displacements' noise, um, and what it is multiplied by in tractions, kPa/um.
-    fn noise(&self, smoothing: f64) -> [f64; 2] {
-        let [left, freedom] = self.left(smoothing);
-        let gain = self
-            .parts
-            .iter()
-            .map(|[g, _, times]| times * (g / (g * g + smoothing * smoothing)).powi(2));
-        let gain = (gain.sum::<f64>() / (2.0 * self.places)).sqrt();
-        [if freedom > 0.0 { (left / freedom).sqrt() } else { 0.0 }, gain]
-    }
-
-    /// The shortest wave of which at least half is kept, um.
-    fn shortest(&self, smoothing: f64) -> f64 {
-        let kept = self.numbers.iter().filter(|[_, g]| *g >= smoothing);
-        TAU / kept.map(|[number, _]| *number).fold(0.0, f64::max)
+    /// Sum over all parts of the square of what noise is multiplied by in tractions, (kPa/um)^2.
+    fn gain(&self, smoothing: f64) -> f64 {
+        let parts = self.parts.iter();
+        parts.map(|[g, _, times]| times * (g / (g * g + smoothing * smoothing)).powi(2)).sum()
     }
 }
 
+/// Standard deviation of the displacements' noise, um, and what it is multiplied by in tractions, kPa/um.
+fn noise(spectra: &[Spectrum], smoothing: f64) -> [f64; 2] {
+    let [left, freedom] = left(spectra.iter(), smoothing);
+    let gain = spectra.iter().map(|spectrum| spectrum.gain(smoothing)).sum::<f64>();
+    let places = spectra.iter().map(|spectrum| spectrum.places).sum::<f64>();
+    let gain = (gain / (2.0 * places)).sqrt();
+    [if freedom > 0.0 { (left / freedom).sqrt() } else { 0.0 }, gain]
+}
+
+/// The shortest wave of which at least half is kept, um.
+fn shortest(spectra: &[Spectrum], smoothing: f64) -> f64 {
+    let kept = spectra.iter().flat_map(|spectrum| &spectrum.numbers);
+    let kept = kept.filter(|[_, g]| *g >= smoothing);
+    TAU / kept.map(|[number, _]| *number).fold(0.0, f64::max)
+}
+
+/// Sum of squares that a smoothing leaves of all, um^2, and the number of independent ones.
+fn left<'a>(spectra: impl Iterator<Item = &'a Spectrum>, smoothing: f64) -> [f64; 2] {
+    let sums = spectra.map(|spectrum| spectrum.left(smoothing));
+    sums.fold([0.0; 2], |sum, next| [sum[0] + next[0], sum[1] + next[1]])
+}
+
+/// Surfaces of every so many-th place along each axis, from each first place.
+fn parted(surface: &Surface, every: usize) -> Vec<Surface> {
+    let [columns, rows] = surface.shape;
+    let starts = (0..every).flat_map(|row| (0..every).map(move |column| [column, row]));
+    let part = |[column, row]: [usize; 2]| Surface {
+        spacing: every as f64 * surface.spacing,
+        origin: surface.place(row * columns + column),
+        shape: [(columns - column).div_ceil(every), (rows - row).div_ceil(every)],
+        displacements: surface.displacements.each_ref().map(|axis| {
+            let rows = axis.chunks_exact(columns).skip(row).step_by(every);
+            rows.flat_map(|row| row[column..].iter().step_by(every)).copied().collect()
+        }),
+    };
+    starts.map(part).collect()
+}
+
 /// The smoothing by generalised cross-validation of all measurements, um/kPa.
-fn cross_validated(spectra: &[Spectrum]) -> f64 {
-    let parts = spectra.iter().flat_map(|spectrum| &spectrum.parts);
+fn cross_validated(spectra: &[Vec<Spectrum>]) -> f64 {
+    let parts = spectra.iter().flatten().flat_map(|spectrum| &spectrum.parts);
     let largest = parts.map(|[g, ..]| *g).fold(0.0, f64::max);
     let tried =
         (0..TRIED).map(|step| largest * 10f64.powf(-DECADES * step as f64 / (TRIED - 1) as f64));
     let score = |smoothing: f64| {
-        let sums = spectra.iter().map(|spectrum| spectrum.left(smoothing));
-        let [left, freedom] = sums.fold([0.0; 2], |sum, next| [sum[0] + next[0], sum[1] + next[1]]);
+        let [left, freedom] = left(spectra.iter().flatten(), smoothing);
         left / (freedom * freedom)
     };
     let best = tried.map(|smoothing| (score(smoothing), smoothing));
@@ -325,7 +400,7 @@ mod tests {
     }
 
     fn one(gel: &Gel, surface: &Surface, region: Option<&[bool]>) -> Tractions {
-        tractions(gel, std::slice::from_ref(surface), region).unwrap().remove(0)
+        tractions(gel, std::slice::from_ref(surface), region, Errors::default()).unwrap().remove(0)
     }
 
     /// Numbers of a normal distribution, by sums of twelve.
@@ -396,6 +471,53 @@ mod tests {
         let places = surface.shape[0] * surface.shape[1];
         let ratio = found.force_nn(1.0, None) / found.noise_floor_nn(1.0, places);
         assert!((0.8..1.2).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn noise_that_neighbours_share_is_told_and_the_axial_force_varies_as_stated() {
+        let gel = Gel::half_space(5.0);
+        let (_, clean, total) = pulled(gel);
+        let [columns, rows] = clean.shape;
+        // Means of 2 x 2 errors, as squares that overlap by half have them: their deviation is half of that of each.
+        let shared = |seed: u64| {
+            let own = noise((columns + 1) * (rows + 1), 0.04, seed);
+            let at = |place: usize| {
+                let first = place / columns * (columns + 1) + place % columns;
+                [0, 1, columns + 1, columns + 2].map(|on| own[first + on]).iter().sum::<f64>() / 4.0
+            };
+            (0..columns * rows).map(at).collect::<Vec<f64>>()
+        };
+        let axis = PullAxis { direction: [1.0, 0.0], middle: [24.0, 7.0] };
+        let (mut squares, mut stated, mut force, mut floor) = (0.0, 0.0, 0.0, 0.0);
+        let seeds = 40;
+        let errors = Errors { overlap: 2, ..Errors::default() };
+        for seed in 0..seeds {
+            let moved = Surface {
+                displacements: [shared(2 * seed + 1), shared(2 * seed + 2)],
+                ..clean.clone()
+            };
+            let mut noisy = clean.clone();
+            for (axis, by) in noisy.displacements.iter_mut().zip(&moved.displacements) {
+                axis.iter_mut().zip(by).for_each(|(x, by)| *x += by);
+            }
+            // The smoothing of the pulled gel, of noise alone.
+            let found =
+                tractions(&gel, std::slice::from_ref(&noisy), None, errors).unwrap().remove(0);
+            assert!((0.85..1.15).contains(&(found.noise_um / 0.02)), "{}", found.noise_um);
+            let waves = Waves::new(moved.shape);
+            let alone = everywhere(&gel, &moved, &waves, found.smoothing)
+                .map(|axis| axis.into_iter().map(|t| 1e3 * t).collect());
+            squares += axis.force_nn(&moved, &alone).powi(2);
+            stated += axial_noise_nn(&gel, &noisy, &found, &axis, None).powi(2);
+            let alone = Tractions { tractions_pa: alone, ..found };
+            force += alone.force_nn(1.0, None);
+            floor += alone.noise_floor_nn(1.0, columns * rows);
+        }
+        // A standard deviation of 40 numbers is known to a ninth.
+        let ratio = (squares / stated).sqrt();
+        assert!((0.7..1.3).contains(&ratio), "axial force varies by {ratio} of what is stated");
+        assert!((0.8..1.2).contains(&(force / floor)), "{force} {floor}");
+        assert!((stated / seeds as f64).sqrt() < 0.1 * total);
     }
 
     #[test]

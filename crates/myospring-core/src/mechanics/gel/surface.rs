@@ -16,12 +16,15 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Where a place is, um.
+    pub fn place(&self, place: usize) -> [f64; 2] {
+        let columns = self.shape[0];
+        [(0, place % columns), (1, place / columns)]
+            .map(|(axis, index)| self.origin[axis] + index as f64 * self.spacing)
+    }
+
     /// Whether each place (um) lies in a region.
     pub fn within(&self, region: impl Fn([f64; 2]) -> bool) -> Vec<bool> {
-        let [columns, rows] = self.shape;
-        let at = |index: usize, axis: usize| self.origin[axis] + index as f64 * self.spacing;
-        (0..columns * rows)
-            .map(|place| region([at(place % columns, 0), at(place / columns, 1)]))
-            .collect()
+        (0..self.shape[0] * self.shape[1]).map(|place| region(self.place(place))).collect()
     }
 }

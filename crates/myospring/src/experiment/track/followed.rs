@@ -7,7 +7,7 @@ use crate::experiment::refused::Refused;
 use crate::experiment::segment::{self, LeftOut};
 use crate::experiment::{ExperimentError, Files, Observer};
 use crate::microscopy::cells::{PictureCell, PictureCells};
-use crate::microscopy::film::Film;
+use crate::microscopy::film::{FEWEST_FRAMES, Film};
 use crate::microscopy::motion::{
     self, CellAtRest, CellMotion, MotionError, Rest, TrackingSettings,
 };
@@ -85,7 +85,7 @@ impl AtRest {
             return Err(failed(&"it is not a film"));
         };
         text.clone_into(&mut source.path);
-        let mut film = open::open(&track.film, &source.options.selection, files)?;
+        let mut film = open::open(&track.film, &source.options.selection, FEWEST_FRAMES, files)?;
         if film.pixel_size.is_none()
             && let Some(size) = source.options.pixel_size
         {
@@ -188,9 +188,9 @@ impl AtRest {
             None => (0..width * height).map(|at| insides.iter().any(|it| it[at])).collect(),
         };
         let settings = TrackingSettings {
-            frames_per_second,
             subset_um: track.subset_um,
             threads: track.threads,
+            ..TrackingSettings::at(frames_per_second)
         };
         let seen = shapes.iter().zip(&insides).filter_map(|(shape, inside)| {
             Some(CellAtRest {

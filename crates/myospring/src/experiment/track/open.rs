@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 const FILM_ENDINGS: [&str; 4] = ["tif", "tiff", "avi", "y4m"];
 
 /// A name for results: that of the film without its ending.
-pub(super) fn name(path: &Path, files: &Files) -> Result<String, ExperimentError> {
+pub(in crate::experiment) fn name(path: &Path, files: &Files) -> Result<String, ExperimentError> {
     // Before anything else is said about it.
     let is_folder = files.is_folder(path).map_err(|error| ExperimentError::unread(path, &error))?;
     files.note(path);
@@ -23,10 +23,11 @@ pub(super) fn name(path: &Path, files: &Files) -> Result<String, ExperimentError
     Ok(name.unwrap_or_default().to_string_lossy().trim_end_matches(".ome").to_owned())
 }
 
-/// Opens a film.
-pub(super) fn open(
+/// Opens a film of at least this many frames; a picture has one.
+pub(in crate::experiment) fn open(
     path: &Path,
     selection: &Selection,
+    fewest: usize,
     files: &Files,
 ) -> Result<Film, ExperimentError> {
     let failed = |error: FilmError| {
@@ -50,13 +51,16 @@ pub(super) fn open(
             let message = format!("`{}`: this is a {format}", path.display());
             return Err(ExperimentError::new(message));
         }
-        if PICTURE_ENDINGS.contains(&kind.as_str()) {
+        if PICTURE_ENDINGS.contains(&kind.as_str()) && fewest > 1 {
             return Err(failed(FilmError::TooFew { frames: 1 }));
         }
-        return Film::read(through_ffmpeg(path, None)?, selection).map_err(failed);
+        if !PICTURE_ENDINGS.contains(&kind.as_str()) {
+            return Film::read(through_ffmpeg(path, None)?, selection).map_err(failed);
+        }
     }
     let bytes = files.bytes(path).map_err(|error| ExperimentError::unread(path, &error))?;
-    match Film::read(bytes, selection) {
+    let read = if fewest > 1 { Film::read } else { Film::read_any };
+    match read(bytes, selection) {
         Err(FilmError::Codec { codec }) => {
             Film::read(through_ffmpeg(path, Some(&codec))?, selection).map_err(failed)
         }
