@@ -78,7 +78,7 @@ pub const TRACTION_FORCE: &str = "traction_force";
 
 /// Name of the signal of the force along the long axis with which the halves of the cell draw the gel together, nN: half the sum of the
 /// forces along it, each counted towards the middle of the cell.
-pub const AXIAL_FORCE: &str = "axial_traction_force";
+pub const AXIAL_FORCE: &str = "axial_force";
 
 /// Name of the signal of the contractile moment, fJ: minus the sum of force times place at rest (`butler_2002`), above 0 where the
 /// cell pulls inward.

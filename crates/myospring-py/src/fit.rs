@@ -8,7 +8,7 @@ use crate::{beat, errors, settings, words};
 use myospring::analysis::kind::Family;
 use myospring::experiment::fit::{
     FitCell, Fits, FittableCell, Models, RecordedCalcium, Shapes, between_springs, of_table,
-    seeks_tension,
+    on_gel, scale_error, seeks_tension,
 };
 use myospring::experiment::{BeatOptions, ExperimentError, Files};
 use myospring::fit::{Fit, FitOptions, Loaded};

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 /// Options of the program that are no settings: name, argument here, and words that may follow as a value. Those of an
 /// empty argument have no counterpart: what they say is done by arrays.
-const OF_TABLES: [(&str, &str, &[&str]); 34] = [
+const OF_TABLES: [(&str, &str, &[&str]); 36] = [
     ("--columns", "columns", &[]),
     ("--time", "time", &[]),
     ("--kind", "kind", &["contraction"]),

@@ -35,7 +35,7 @@ pub(crate) const ROWS: [(&str, &str); 24] = [
     ("time_to_end_systole", "time to end of systole, from stimulus"),
     ("work_on_load", "work on the load"),
     ("peak_traction_force", "peak force on the gel, all directions"),
-    ("peak_axial_traction_force", "  of half the cell, along it"),
+    ("peak_axial_force", "  of half the cell, along it"),
     ("time_to_peak_traction_force", "time to peak force on the gel, from stimulus"),
     ("peak_contractile_moment", "peak contractile moment"),
     ("peak_gel_energy", "peak energy of the gel"),

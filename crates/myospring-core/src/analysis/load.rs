@@ -143,7 +143,7 @@ pub fn on_gel<'a>(
             "from the largest sum of forces to half way back to rest",
         ),
         largest(
-            "peak_axial_traction_force",
+            "peak_axial_force",
             AXIAL_FORCE,
             "nN",
             "largest force of half the cell on the gel along the long axis",

@@ -20,6 +20,8 @@ const GROUND: f64 = 12.0;
 /// What the pictures are like.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BeadScene {
+    /// Width and height of a picture, um.
+    pub(crate) frame_um: [f64; 2],
     /// Side of a pixel, um.
     pub(crate) pixel_um: f64,
     /// Beads per um^2.
@@ -40,6 +42,7 @@ impl Default for BeadScene {
     /// A bead for every two um^2, moderate noise, and a cell that moves a gel of 5 kPa by up to half a um.
     fn default() -> Self {
         Self {
+            frame_um: [0, 1].map(|axis: usize| CELL_UM[axis] + 2.0 * AROUND_UM[axis]),
             pixel_um: 0.2,
             density: 0.5,
             photons: 100.0,
@@ -61,32 +64,32 @@ pub(crate) struct Truth {
 }
 
 impl Truth {
-    /// The displacement at a place, um, interpolated between nodes.
-    pub(crate) fn displacement(&self, at: [f64; 2]) -> [f64; 2] {
-        let Surface { spacing, origin, shape, displacements } = &self.surface;
-        let place = [0, 1].map(|axis: usize| {
-            ((at[axis] - origin[axis]) / spacing).clamp(0.0, shape[axis] as f64 - 1.001)
-        });
-        let [column, row] = place.map(|at| at as usize);
-        let [x, y] = place.map(f64::fract);
-        displacements.each_ref().map(|axis| {
-            let value = |right: usize, up: usize| axis[(row + up) * shape[0] + column + right];
-            let low = (1.0 - x) * value(0, 0) + x * value(1, 0);
-            let high = (1.0 - x) * value(0, 1) + x * value(1, 1);
-            (1.0 - y) * low + y * high
-        })
+    /// The displacement at a place, um, when the cell pulls with this part of its force.
+    pub(crate) fn displacement(&self, part: f64, at: [f64; 2]) -> [f64; 2] {
+        displacement(&self.surface, at).map(|moved| part * moved)
     }
 }
 
-impl BeadScene {
-    /// Width and height of a picture, um.
-    pub(crate) fn frame_um(&self) -> [f64; 2] {
-        [0, 1].map(|axis: usize| CELL_UM[axis] + 2.0 * AROUND_UM[axis])
-    }
+/// The displacement of a surface at a place, um, interpolated between nodes.
+pub(crate) fn displacement(surface: &Surface, at: [f64; 2]) -> [f64; 2] {
+    let Surface { spacing, origin, shape, displacements } = surface;
+    let place = [0, 1].map(|axis: usize| {
+        ((at[axis] - origin[axis]) / spacing).clamp(0.0, shape[axis] as f64 - 1.001)
+    });
+    let [column, row] = place.map(|at| at as usize);
+    let [x, y] = place.map(f64::fract);
+    displacements.each_ref().map(|axis| {
+        let value = |right: usize, up: usize| axis[(row + up) * shape[0] + column + right];
+        let low = (1.0 - x) * value(0, 0) + x * value(1, 0);
+        let high = (1.0 - x) * value(0, 1) + x * value(1, 1);
+        (1.0 - y) * low + y * high
+    })
+}
 
+impl BeadScene {
     /// Columns and rows.
     pub(crate) fn size(&self) -> [usize; 2] {
-        self.frame_um().map(|side| (side / self.pixel_um).round() as usize)
+        self.frame_um.map(|side| (side / self.pixel_um).round() as usize)
     }
 
     /// What the cell does where it pulls most.
@@ -119,7 +122,7 @@ impl BeadScene {
     fn beads(&self) -> Vec<([f64; 2], f64)> {
         let mut random = Random(self.seed);
         let beyond = 3.0;
-        let [width, height] = self.frame_um().map(|side| side + 2.0 * beyond);
+        let [width, height] = self.frame_um.map(|side| side + 2.0 * beyond);
         let count = (self.density * width * height).round() as usize;
         let bead = |_| {
             let place = [width * random.next() - beyond, height * random.next() - beyond];
@@ -128,15 +131,20 @@ impl BeadScene {
         (0..count).map(bead).collect()
     }
 
-    /// The picture when the cell pulls with this part of its force and the stage is off by this many um: 8 bits, rows from
-    /// the top. `number` decides the noise.
-    pub(crate) fn picture(&self, truth: &Truth, part: f64, off: [f64; 2], number: u64) -> Vec<u8> {
+    /// The picture when the surface is displaced so and the stage is off by this many um: 8 bits, rows from the top. `number`
+    /// decides the noise.
+    pub(crate) fn picture(
+        &self,
+        displaced: &dyn Fn([f64; 2]) -> [f64; 2],
+        off: [f64; 2],
+        number: u64,
+    ) -> Vec<u8> {
         let [columns, rows] = self.size();
         let top = rows as f64 * self.pixel_um;
         let mut light = vec![0.0; columns * rows];
         for (place, brightness) in self.beads() {
-            let moved = truth.displacement(place);
-            let now = [0, 1].map(|axis: usize| place[axis] + part * moved[axis] + off[axis]);
+            let moved = displaced(place);
+            let now = [0, 1].map(|axis: usize| place[axis] + moved[axis] + off[axis]);
             // Pixels within four standard deviations.
             let range = |at: f64, count: usize| {
                 let reach = 4.0 * BEAD_UM;
@@ -173,7 +181,7 @@ impl BeadScene {
             let along = (at + 1) as f64 / parts.len() as f64;
             let off = self.drift_um.map(|drift| along * drift);
             bytes.extend(b"FRAME\n");
-            bytes.extend(self.picture(&truth, *part, off, at as u64));
+            bytes.extend(self.picture(&|at| truth.displacement(*part, at), off, at as u64));
         }
         bytes
     }
@@ -188,7 +196,7 @@ impl BeadScene {
         let [columns, rows] = self.size();
         let mut bytes = format!("YUV4MPEG2 W{columns} H{rows} F1:1 Cmono\n").into_bytes();
         bytes.extend(b"FRAME\n");
-        bytes.extend(self.picture(&self.truth(), 0.0, [0.0; 2], 1 << 40));
+        bytes.extend(self.picture(&|_| [0.0; 2], [0.0; 2], 1 << 40));
         bytes
     }
 

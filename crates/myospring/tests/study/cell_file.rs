@@ -155,7 +155,7 @@ fn a_cell_from_stem_cells_with_its_own_action_potential_pulls_at_gels_as_measure
         let outcome = made.simulation.build().unwrap().run(|_| true);
         assert!(outcome.stop.is_none(), "{:?}", outcome.stop);
         let beats = outcome.beats();
-        (beats[0].value("peak_axial_traction_force").unwrap(), beats)
+        (beats[0].value("peak_axial_force").unwrap(), beats)
     };
     let (soft, beats) = force("10 kPa");
     let (stiff, _) = force("35 kPa");
