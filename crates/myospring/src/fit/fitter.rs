@@ -472,7 +472,9 @@ impl Fitter {
             layout.seek_tension(both, &mut ends);
             let sure = Sure::of(&layout, &ends, &both[..1], work)?;
             let own = self.estimates(&layout, &ends[0], &both[..1], &sure);
-            estimates.splice(after + 1..after + 1, own);
+            for own in own {
+                estimates.insert(after + 1, own);
+            }
         }
         let mut fit = Fit {
             model: self.simulation.cell.name().to_owned(),
@@ -540,7 +542,7 @@ impl Fitter {
 
     fn unit(&self, layout: &Layout, place: usize) -> String {
         match &layout.roles[place] {
-            Role::Physics(Unknown::TensionOverStiffness) => String::new(),
+            Role::Physics(Unknown::TensionOverStiffness) | Role::ScaleError { .. } => String::new(),
             Role::Physics(Unknown::YoungModulus | Unknown::PeakTension) => "kPa".to_owned(),
             Role::Physics(Unknown::Parameter(name)) => {
                 let rows = self.simulation.cell.parameters().rows();
@@ -548,7 +550,6 @@ impl Fitter {
                 row.map(|row| row.unit.to_string()).unwrap_or_default()
             }
             Role::Delay { .. } => "ms".to_owned(),
-            Role::ScaleError { .. } => String::new(),
             Role::Level { source } | Role::Gain { source } | Role::Drift { source } => {
                 layout.sources[*source].observed.unit.clone()
             }

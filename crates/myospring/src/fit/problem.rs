@@ -45,6 +45,13 @@ pub(super) enum Role {
     ScaleError { source: usize },
 }
 
+/// What a curve shows, without its level and scale: the shortening, or a load.
+pub(super) struct Response {
+    pub(super) values: Vec<f64>,
+    /// The derivative of a load by the shortening.
+    pub(super) by_shortening: Option<Vec<f64>>,
+}
+
 /// All unknowns, and how residuals follow from them.
 pub(super) struct Layout {
     pub(super) sources: Vec<Source>,
@@ -177,30 +184,23 @@ impl Layout {
         self.sources[number].contraction.shortening(&physics, &stimuli, times)
     }
 
-    /// The load on the support at these shortenings of a curve, with its derivatives by them; `None` for curves of the cell's own motion.
-    pub(super) fn load(
-        &self,
-        at: &[f64],
-        number: usize,
-        shortening: &[f64],
-    ) -> Option<Option<Vec<[f64; 2]>>> {
+    /// What a curve shows, without its level and scale.
+    pub(super) fn response(&self, at: &[f64], number: usize, times: &[f64]) -> Option<Response> {
+        let values = self.shortening(at, number, times)?;
         let source = &self.sources[number];
-        let Scale::Load(name) = source.observed.scale else { return Some(None) };
+        let Scale::Load(name) = source.observed.scale else {
+            return Some(Response { values, by_shortening: None });
+        };
         let mut parameters = Vec::new();
         let physics = self.physics(at, &mut parameters);
-        source.contraction.load(name, &physics, shortening).map(Some)
-    }
-
-    /// What a curve shows, without its level and scale: the shortening, or a load.
-    pub(super) fn response(&self, at: &[f64], number: usize, times: &[f64]) -> Option<Vec<f64>> {
-        let shortening = self.shortening(at, number, times)?;
-        let load = self.load(at, number, &shortening)?;
-        Some(load.map_or(shortening, |load| load.into_iter().map(|[load, _]| load).collect()))
+        let load = source.contraction.load(name, &physics, &values)?;
+        let (values, by_shortening) = load.into_iter().map(|[load, by]| (load, by)).unzip();
+        Some(Response { values, by_shortening: Some(by_shortening) })
     }
 
     /// The model's curve in the units of the measured one.
     pub(super) fn curve(&self, at: &[f64], number: usize, times: &[f64]) -> Option<Vec<f64>> {
-        let mut curve = self.response(at, number, times)?;
+        let mut curve = self.response(at, number, times)?.values;
         let [level, gain, drift] = self.scale(at, number);
         for (value, part) in curve.iter_mut().zip(self.parts(number, times)) {
             let level = level + drift * part;

@@ -6,7 +6,7 @@
 
 use super::least_squares::{Column, Problem, difference};
 use super::observed::Scale;
-use super::problem::{Layout, Role};
+use super::problem::{Layout, Response, Role};
 use super::work::Work;
 
 /// Derivatives by the unknowns, from their values and which of them are fixed.
@@ -80,7 +80,10 @@ impl Layout {
                         let source = &self.sources[number];
                         let of = |at: &[f64]| {
                             let wanted = work.counts();
-                            wanted.then(|| self.response(at, number, &source.frames.times))?
+                            wanted.then(|| {
+                                let response = self.response(at, number, &source.frames.times)?;
+                                Some(response.values)
+                            })?
                         };
                         let (step, bounds) = (self.steps[place], &self.bounds);
                         let moved = if source.contraction.is_slow() {
@@ -146,11 +149,8 @@ impl Layout {
     fn frames(&self, at: &[f64], number: usize, first: usize) -> Option<Frames> {
         let source = &self.sources[number];
         let times = &source.frames.times;
-        let shortening = self.shortening(at, number, times)?;
-        let load = self.load(at, number, &shortening)?;
-        let load_by_shortening = load.as_ref().map(|load| load.iter().map(|[_, by]| *by).collect());
-        let response =
-            load.map_or(shortening, |load| load.into_iter().map(|[load, _]| load).collect());
+        let Response { values: response, by_shortening: load_by_shortening } =
+            self.response(at, number, times)?;
         let part = self.parts(number, times);
         let [level, gain, drift] = self.scale(at, number);
         let by_response = match source.observed.scale {
