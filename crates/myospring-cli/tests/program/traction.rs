@@ -175,8 +175,8 @@ fn a_film_of_beads_gives_forces_that_other_commands_read() {
     let size =
         ["--pixel-size", &size, "--unit", "0.3 um", "--subset", &subset, "--output", "again"];
     let again = json(&myospring(at, &[&["traction", "--json"], &arrays[..], &gel, &size].concat()));
-    let moved = |of: &serde_json::Value| of["displacement_noise_um"].as_f64().unwrap();
-    assert!((moved(&again) / moved(&numbers) - 1.0).abs() < 1e-6);
+    let smoothing = |of: &serde_json::Value| of["smoothing_um_per_kpa"].as_f64().unwrap();
+    assert!((smoothing(&again) / smoothing(&numbers) - 1.0).abs() < 1e-6);
     // A pair.
     fs::write(at.join("pulled.y4m"), scene.film(&[1.0], 12)).unwrap();
     let pair = ["traction", "pulled.y4m", "--reference", "relaxed.y4m", "--json"];

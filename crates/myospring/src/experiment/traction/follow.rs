@@ -14,6 +14,9 @@ use crate::microscopy::motion::{
 use crate::microscopy::picture::Selection;
 use std::path::{Path, PathBuf};
 
+/// Displacements below this are those of equal pictures, pixels: a tenth of the smallest step of a search.
+const LEAST_MOTION_PX: f64 = 5e-4;
+
 /// Pictures of the beads in a gel.
 #[derive(Debug, Clone)]
 pub struct Beads {
@@ -114,7 +117,8 @@ pub(super) fn follow(
     if displacements.surfaces.is_empty() {
         return Err(failed(&"no frame but the one at rest is left"));
     }
-    let moves = |axis: &Vec<f64>| axis.iter().any(|moved| (moved - axis[0]).abs() > 0.0);
+    let least = LEAST_MOTION_PX * grid.pixel_um;
+    let moves = |axis: &Vec<f64>| axis.iter().any(|moved| (moved - axis[0]).abs() > least);
     if !displacements.surfaces.iter().flat_map(|surface| &surface.displacements).any(moves) {
         return Err(failed(&"nothing moves: all frames are alike")
             .advise("is the reference the same picture as the film?"));
