@@ -19,7 +19,7 @@ use myospring::mechanics::gel::Gel;
 const SEEDS: u64 = 5;
 
 fn found(scene: &BeadScene, subset_um: Option<f64>) -> FoundTractions {
-    let mut experiment = scene.from_relaxed();
+    let mut experiment = scene.with_reference();
     if let Source::Beads(beads) = &mut experiment.source {
         beads.subset_um = subset_um;
     }

@@ -16,7 +16,7 @@ use myospring::mechanics::gel::{Gel, GelBed};
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::Mesh;
 use myospring::output::files;
-use myospring::recording::AXIAL_FORCE;
+use myospring::recording::{AXIAL_FORCE, Frame};
 use myospring::run_file::RunFile;
 use myospring::simulation::{Outcome, Simulation};
 use std::io::Cursor;
@@ -37,6 +37,8 @@ const WIDER_UM: f64 = 2.0;
 /// Noise of a length, um, and the interval of its frames, ms.
 const NOISE_UM: f64 = 0.03;
 const EVERY_MS: f64 = 10.0;
+/// Interval of the frames of the film, ms; also in [`CELL`] and in what the film says of itself.
+const FRAME_MS: f64 = 50.0;
 
 fn main() {
     let folder = PathBuf::from(std::env::args_os().nth(1).unwrap());
@@ -88,14 +90,16 @@ fn scene(mesh: &Mesh) -> ([[f64; 2]; 2], BeadScene) {
     )
 }
 
-/// A film of the beads, as ImageJ saves one: the frames of the beat, after 0.2 s of rest.
+/// A film of the beads, as ImageJ saves one: the frames of the beat.
 fn film(scene: &BeadScene, plated: &Simulation, outcome: &Outcome, low: [f64; 2]) -> Vec<u8> {
     let bed = GelBed::new(Gel::half_space(GEL_KPA), &plated.mesh, plated.long_axis).unwrap();
     let [columns, rows] = scene.size().map(|side| side as u32);
     let mut bytes = Cursor::new(Vec::new());
     let encoder = TiffEncoder::new(&mut bytes).unwrap();
     let mut encoder = encoder.with_compression(Compression::Deflate(DeflateLevel::Best));
-    let frames = &outcome.recording.frames;
+    // That of the peak is recorded besides.
+    let on_time = |frame: &&Frame| frame.t_ms.rem_euclid(FRAME_MS) < 1e-6;
+    let frames: Vec<&Frame> = outcome.recording.frames.iter().filter(on_time).collect();
     for (number, frame) in frames.iter().enumerate() {
         let forces = frame.on_gel_nn.as_ref().unwrap();
         let attached =

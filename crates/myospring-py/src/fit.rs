@@ -163,6 +163,9 @@ fn given(py: Python<'_>, curve: Curve) -> Given<'_> {
     (curve.name, curve.kind.word(), curve.unit, times, values, curve.stimuli_ms)
 }
 
+/// Tables of forces on gels of these moduli (kPa; `None`: that of the settings), and the relative error of their scale.
+type Forces = (Vec<(Option<f64>, Vec<Measured>)>, f64);
+
 #[pymethods]
 impl Fitter {
     /// Of a cell; `given` are settings by key, `loaded` curves of it between springs of known stiffness (nN/um), `traction` tables of its
@@ -175,7 +178,7 @@ impl Fitter {
         given: &Bound<'_, PyDict>,
         asked: Asked,
         loaded: Vec<(f64, Measured)>,
-        traction: (Vec<(Option<f64>, Vec<Measured>)>, f64),
+        traction: Forces,
         calcium: Option<Recorded>,
     ) -> PyResult<Self> {
         const MODEL: &str = "cell.model";

@@ -49,7 +49,11 @@ fn described(
 
 /// Of displacements in um, to the right and downward: (frames, rows, columns).
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+#[allow(
+    clippy::needless_pass_by_value,
+    clippy::too_many_arguments,
+    reason = "what Python hands over is owned; the layer in Python names it"
+)]
 pub(crate) fn traction_of_arrays(
     py: Python<'_>,
     displacements: [PyReadonlyArray3<'_, f64>; 2],

@@ -127,7 +127,7 @@ fn a_film_of_beads_gives_forces_that_other_commands_read() {
     let scene = BeadScene { pixel_um: 0.3, ..BeadScene::default() };
     fs::write(at.join("beads.y4m"), scene.film(&beats(), 12)).unwrap();
     fs::write(at.join("relaxed.y4m"), scene.reference()).unwrap();
-    fs::write(at.join("cell.geojson"), scene.region()).unwrap();
+    fs::write(at.join("cell.geojson"), BeadScene::region()).unwrap();
     let gel = ["--gel-modulus", "5 kPa"];
     let options = ["--pixel-size", "0.3 um", "--region", "cell.geojson"];
     let found = myospring(at, &[&["traction", "beads.y4m"], &gel[..], &options].concat());

@@ -191,7 +191,9 @@ impl GelMotion {
                 order::median(values).unwrap_or(0.0)
             });
             for (axis, by) in moved.iter_mut().zip(by) {
-                axis.iter_mut().for_each(|value| *value -= by);
+                for value in axis {
+                    *value -= by;
+                }
             }
             drift.push(by);
         }
@@ -245,7 +247,9 @@ pub fn follow_beads(
     let lowest = first[1] + (shape[1] - 1) * step;
     let corner = frame.to_um([first[0], lowest].map(|pixel| pixel as f64 + 0.5));
     for (axis, corner) in mesh.points.iter_mut().zip(corner) {
-        axis.iter_mut().for_each(|place| *place += corner);
+        for place in axis {
+            *place += corner;
+        }
     }
     let everywhere = vec![true; width * height];
     let window = CellAtRest {

@@ -183,7 +183,9 @@ impl Experiment for Traction {
     ) -> Result<FoundTractions, ExperimentError> {
         self.check()?;
         let (measured, region) = self.displacements(files, observer)?;
-        observer.interruption().check().map_err(ExperimentError::new)?;
+        if measured.followed.is_none() {
+            observer.interruption().check().map_err(ExperimentError::new)?;
+        }
         let surfaces = &measured.surfaces;
         let tractions =
             cytometry::tractions(&self.gel, surfaces, region.as_deref(), measured.errors)

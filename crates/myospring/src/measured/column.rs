@@ -465,6 +465,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[allow(clippy::too_many_lines, reason = "a table")]
     fn columns_are_known_by_their_names_in_any_form() {
         use Holds::{Contradicts, Curve, Frame, Identity, MarkTime, Other, Time};
         for (header, held, unit) in [

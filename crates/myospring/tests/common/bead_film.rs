@@ -201,7 +201,7 @@ impl BeadScene {
     }
 
     /// A region around the cell, 2 um more than it, as GeoJSON.
-    pub(crate) fn region(&self) -> Vec<u8> {
+    pub(crate) fn region() -> Vec<u8> {
         let [[left, right], [low, high]] = [0, 1]
             .map(|axis: usize| [AROUND_UM[axis] - 2.0, AROUND_UM[axis] + CELL_UM[axis] + 2.0]);
         format!(
@@ -216,7 +216,7 @@ impl BeadScene {
         let held = [
             ("beads.y4m", self.film(parts, rate)),
             ("relaxed.y4m", self.reference()),
-            ("cell.geojson", self.region()),
+            ("cell.geojson", Self::region()),
         ];
         Files::holding(held.map(|(name, bytes)| (name.to_owned(), bytes)).into())
     }
@@ -228,7 +228,7 @@ impl BeadScene {
     }
 
     /// The same with the picture of the relaxed gel as its reference.
-    pub(crate) fn from_relaxed(&self) -> Traction {
+    pub(crate) fn with_reference(&self) -> Traction {
         let beads = Beads {
             pixel_size_um: Some(self.pixel_um),
             reference: Some("relaxed.y4m".into()),

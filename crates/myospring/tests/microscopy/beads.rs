@@ -29,7 +29,7 @@ fn force_and_moment_come_back_from_a_pair_of_pictures_over_a_grid() {
         // Many diameters of a bead, and further than beads are apart.
         BeadScene { drift_um: [3.1, -2.3], seed: 2, ..usual },
     ] {
-        let found = found(&scene, &[1.0], &scene.from_relaxed());
+        let found = found(&scene, &[1.0], &scene.with_reference());
         let [axial, moment, _] = ratios(&scene, &found, 0);
         assert!((axial - 1.0).abs() < 0.1, "{scene:?}: axial force {axial}");
         assert!((moment - 1.0).abs() < 0.1, "{scene:?}: moment {moment}");

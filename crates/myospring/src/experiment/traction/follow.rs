@@ -74,24 +74,22 @@ pub(super) fn follow(
     let frame_rate_per_s = rate(&film, frame_rate).map_err(|message| {
         failed(&message).advise("give it like --frame-rate 30, as the camera was set")
     })?;
-    let (film, rest) = match &beads.reference {
-        Some(path) => {
-            let film = led_by(path, film, &selection, files)?;
-            let rest = Rest::alone(&film, 0);
-            (film, rest)
-        }
-        None => {
-            observer.stage("frame at rest", 1);
-            let rest = match beads.rest {
-                Some(frame) => Rest::at(&film, frame),
-                None => Rest::find(&film),
-            };
-            (film, rest)
-        }
+    let (film, rest) = if let Some(path) = &beads.reference {
+        let film = led_by(path, film, &selection, files)?;
+        let rest = Rest::alone(&film, 0);
+        (film, rest)
+    } else {
+        observer.stage("frame at rest", 1);
+        let rest = match beads.rest {
+            Some(frame) => Rest::at(&film, frame),
+            None => Rest::find(&film),
+        };
+        (film, rest)
     };
     let rest = rest.map_err(|error| failed(&error))?;
     let settings = BeadSettings { pixel_size, subset_um: beads.subset_um, threads: beads.threads };
     let interruption = observer.interruption();
+    observer.keeps("the frames that are done are written");
     let mut begun = false;
     let motion = follow_beads(&film, rest, settings, |(done, all)| {
         if !begun {
@@ -101,8 +99,10 @@ pub(super) fn follow(
         observer.reached(done as u64);
         !interruption.is_requested()
     });
-    interruption.check().map_err(ExperimentError::new)?;
     let mut motion = motion.map_err(|error| unfollowed(beads, &name, &error))?;
+    if motion.frames.len() < 2 {
+        interruption.check().map_err(ExperimentError::new)?;
+    }
     let grid = Grid {
         picture: film.size(),
         pixel_um: motion.pixel_um,
@@ -113,7 +113,7 @@ pub(super) fn follow(
     let region = region(&grid)?;
     let far = region.as_ref().map(|region| region.iter().map(|within| !within).collect::<Vec<_>>());
     let stage_um = motion.take_drift(far.as_deref());
-    let displacements = displacements(beads, motion, stage_um, grid, region.is_some());
+    let displacements = displacements(beads, motion, &stage_um, grid, region.is_some());
     if displacements.surfaces.is_empty() {
         return Err(failed(&"no frame but the one at rest is left"));
     }
@@ -130,7 +130,7 @@ pub(super) fn follow(
 fn displacements(
     beads: &Beads,
     motion: GelMotion,
-    stage_um: Vec<[f64; 2]>,
+    stage_um: &[[f64; 2]],
     grid: Grid,
     has_region: bool,
 ) -> Displacements {
@@ -173,6 +173,7 @@ fn displacements(
         stage_um,
         interpolated_pct,
         repeated_frames: motion.repeated,
+        interrupted: motion.interrupted,
     };
     let frames: Vec<usize> = all().map(|at| motion.frames[at] - led).collect();
     let surfaces = motion.displacements_um.into_iter().enumerate().filter(|(at, _)| kept[*at]);

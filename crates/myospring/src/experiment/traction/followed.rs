@@ -43,4 +43,6 @@ pub struct Followed {
     pub interpolated_pct: Vec<f64>,
     /// Frames that repeat the one before and were left out.
     pub repeated_frames: usize,
+    /// Whether it was interrupted before all frames were done.
+    pub interrupted: bool,
 }

@@ -15,7 +15,7 @@ use crate::output::figure::{self, DrawnCell, FigureError, Theme};
 use crate::output::json;
 use crate::output::npz::{self, Array};
 use crate::output::table::{Column, Table};
-use crate::recording::{Frame, Recording, Sample, Signal, TRACTION_FORCE};
+use crate::recording::{AXIAL_FORCE, Frame, Recording, Sample, Signal, TRACTION_FORCE};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -199,15 +199,20 @@ impl FoundTractions {
             on_gel_nn: Some(forces),
             positions: mesh.points.clone(),
         };
-        let time = |frame: &TractionFrame| frame.t_ms.unwrap_or(frame.frame as f64);
-        let samples = self.frames.iter().map(|frame| Sample { t_ms: time(frame), ..Sample::STILL });
-        let force = Signal {
-            name: TRACTION_FORCE.to_owned(),
+        // Without times there is no curve, only the map.
+        let timed: Vec<(f64, &TractionFrame)> =
+            self.frames.iter().filter_map(|frame| Some((frame.t_ms?, frame))).collect();
+        let samples = timed.iter().map(|(t_ms, _)| Sample { t_ms: *t_ms, ..Sample::STILL });
+        let force = |name: &str, of: fn(&TractionFrame) -> f64| Signal {
+            name: name.to_owned(),
             unit: "nN".to_owned(),
-            values: self.frames.iter().map(|frame| frame.force_nn).collect(),
+            values: timed.iter().map(|(_, frame)| of(frame)).collect(),
         };
-        let recording =
-            Recording { samples: samples.collect(), frames: vec![frame], signals: vec![force] };
+        let signals = vec![
+            force(TRACTION_FORCE, |frame| frame.force_nn),
+            force(AXIAL_FORCE, |frame| frame.axial_force_nn),
+        ];
+        let recording = Recording { samples: samples.collect(), frames: vec![frame], signals };
         let fields = Fields::new(&mesh, &fibres, None)?;
         figure::traction(&DrawnCell::new(fields, None)?, &recording, &[])
     }
@@ -258,7 +263,11 @@ impl Outcome for FoundTractions {
                  larger squares (subset) are found more often"
             ));
         }
-        if strongest.contractile_moment_fj < 0.0 {
+        if self.followed().is_some_and(|followed| followed.interrupted) {
+            warnings.push(format!("interrupted: {} frames were followed", self.frames.len()));
+        }
+        // Without a region, false tractions at the edges of the window may decide the sign.
+        if self.is_confined && strongest.contractile_moment_fj < 0.0 {
             warnings.push(
                 "the gel is pushed apart at the largest force, not drawn together: are the displacements from the relaxed \
                  gel to the pulled one, and is the second array downward positive?"
