@@ -76,6 +76,11 @@ fn follow_in(page: &str, folder: &Path) -> usize {
 }
 
 #[test]
+fn from_beads_in_a_gel_to_tension_in_kpa() {
+    assert!(follow("beads-to-kpa.md") > 10);
+}
+
+#[test]
 fn from_a_picture_to_its_fitted_beat() {
     assert!(follow("picture-to-fit.md") > 10);
 }

@@ -115,7 +115,8 @@ pub fn on_gel(
     let stimuli = beats.within(curve).stimuli_ms;
     let stimuli = (!stimuli.is_empty()).then_some(stimuli.as_slice());
     let mut observed = Observed::of_load(curve, stimuli, load)?;
-    observed.name = format!("{} on {} kPa", observed.name, gel.modulus);
+    let what = if load == CONTRACTILE_MOMENT { "moment" } else { "force" };
+    observed.name = format!("{what} on {} kPa", gel.modulus);
     let note = format!("`{}` is fitted as the {}", curve.name, meaning(load));
     Ok((Loaded::exact(SupportKind::Gel(gel), observed), note))
 }
