@@ -166,8 +166,8 @@ test("tractions of displacements, and of beads, are those of the program", async
   const around = { ...gel, region: "around.geojson" };
   const besides = ["--region", "around.geojson"];
   for (const [name, request, args, least] of /** @type {[string, any, string[], number][]} */ ([
-    ["arrays", { ...gel, files: ["u.npy", "v.npy"], pixel_size_um: 0.5 }, ["u.npy", "v.npy", "--pixel-size", "0.5 um"], 10],
-    ["layer", { ...told, files: ["u.npy", "v.npy"], pixel_size_um: 0.5 }, ["u.npy", "v.npy", "--pixel-size", "0.5 um", ...layer], 10],
+    ["arrays", { ...gel, files: ["u.npy", "v.npy"], pixel_size_um: 0.5 }, ["u.npy", "v.npy", "--pixel-size", "0.5 um"], 5],
+    ["layer", { ...told, files: ["u.npy", "v.npy"], pixel_size_um: 0.5 }, ["u.npy", "v.npy", "--pixel-size", "0.5 um", ...layer], 5],
     ["film", { ...around, files: ["beads.y4m"], pixel_size_um: 0.3 }, ["beads.y4m", "--pixel-size", "0.3 um", ...besides], 10],
     ["relaxed", { ...around, files: ["beads.y4m"], pixel_size_um: 0.3, reference: "relaxed.y4m" }, ["beads.y4m", "--pixel-size", "0.3 um", "--reference", "relaxed.y4m", ...besides], 10],
   ])) {

@@ -445,7 +445,7 @@ test("two arrays of displacements are dropped and give the force of the cell, in
     assert.equal(await ended(page), null);
     const force = async () => JSON.parse(await result(page, "summary.json")).largest_force.axial_force_nN;
     const whole = await force();
-    assert.ok(whole > 10, `${whole}`);
+    assert.ok(whole > 5, `${whole}`);
     assert.ok(Math.abs(Number.parseFloat((await tile(page, "axial force")) ?? "") - whole) < 0.06);
     assert.equal(await page.locator("#map img").isVisible(), true);
     assert.match((await page.locator("#warnings").textContent()) ?? "", /false tractions/);

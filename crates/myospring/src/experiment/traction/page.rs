@@ -58,7 +58,7 @@ pub(super) fn html(shown: Shown<'_>) -> Result<String, PageError> {
     let TractionFrame { axial_force_nn, axial_noise_floor_nn, .. } = *shown.strongest;
     let answer = Answer {
         words: format!(
-            "The cell pulls with {} nN along its axis; noise alone makes \u{b1} {} nN of it.",
+            "Axial force {} nN; noise alone makes \u{b1} {} nN.",
             number(axial_force_nn),
             number(axial_noise_floor_nn)
         ),
@@ -138,8 +138,8 @@ fn charts(shown: &Shown<'_>) -> Vec<Chart> {
     };
     let name = "Axial force";
     let analysed = shown.beats.and_then(|read| Some((read, read.found.as_ref().ok()?)));
-    let mut charts = match analysed {
-        Some((read, analysis)) => Chart::of_curve(&Measured {
+    let mut charts = if let Some((read, analysis)) = analysed {
+        Chart::of_curve(&Measured {
             title: name,
             kind: read.curve.kind,
             unit: read.curve.unit,
@@ -147,11 +147,10 @@ fn charts(shown: &Shown<'_>) -> Vec<Chart> {
             values: &read.curve.values,
             analysis,
             numbers: &[],
-        }),
-        None => {
-            let axial = series("axial force", Tone::Tension, &|frame| frame.axial_force_nn);
-            vec![chart(name, "nN", vec![axial])]
-        }
+        })
+    } else {
+        let axial = series("axial force", Tone::Tension, &|frame| frame.axial_force_nn);
+        vec![chart(name, "nN", vec![axial])]
     };
     let force = vec![
         series("force", Tone::Tension, &|frame| frame.force_nn),
