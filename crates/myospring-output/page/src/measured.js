@@ -131,7 +131,7 @@ export class Measured extends EventTarget {
     this.#add("unit_um", "A displacement of 1 is, \u00b5m", numberField("a pixel"));
     this.#add("subset_um", "Side of a square, \u00b5m", numberField());
     this.#add("reference", "Picture of the relaxed gel", make("input", { type: "file" }));
-    this.#add("region", "Region of the cell: mask, outline", make("input", { type: "file" }));
+    this.#add("region", "Region of the cell, a mask or an outline", make("input", { type: "file" }));
   }
 
   /** @param {string} key @param {string} words @param {HTMLInputElement | HTMLSelectElement} input */
@@ -144,7 +144,7 @@ export class Measured extends EventTarget {
       if (key === "shows") this.#become(input.value === "beads" ? "beads" : "film");
       this.dispatchEvent(new Event("read"));
     });
-    this.#fields.append(make("label", { class: "field" }, words, input));
+    this.#fields.append(make("label", { class: input.type === "file" ? "field file" : "field" }, words, input));
   }
 
   /**

@@ -76,15 +76,14 @@ pub(super) fn html(shown: Shown<'_>) -> Result<String, PageError> {
 
 fn facts(shown: &Shown<'_>) -> Vec<String> {
     let Gel { modulus, poisson, thickness, .. } = shown.gel;
-    let depth =
-        thickness.map_or_else(|| "half-space".to_owned(), |um| format!("{} um thick", number(um)));
+    let depth = thickness.map_or_else(|| "half-space".to_owned(), |um| format!("{um} um thick"));
     let frames = match shown.frames.len() {
         1 => "1 frame".to_owned(),
         count => format!("{count} frames"),
     };
     let place = if shown.is_confined { "in a region" } else { "in the whole window" };
     vec![
-        format!("gel of {} kPa, Poisson's ratio {poisson}, {depth}", number(modulus)),
+        format!("gel of {modulus} kPa, Poisson's ratio {poisson}, {depth}"),
         frames,
         place.to_owned(),
     ]
