@@ -21,7 +21,7 @@ const COARSE = "6 um";
 /** What rounding explains: exp and tanh differ in the last digits. Of the value, or in its unit where that is below 1. */
 const TOLERANCE = 1e-9;
 
-/** In a region tractions are sought until the displacements are right to this part: what is left depends on rounding. */
+/** In a region tractions are found by conjugate gradients, which end at this part of the residual: the rest depends on rounding. */
 const IN_REGION = 1e-6;
 
 /** @param {Answer} answer */

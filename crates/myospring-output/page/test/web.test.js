@@ -482,6 +482,21 @@ test("a film of beads in a gel gives the force of the cell, relative to rest or 
   });
 });
 
+test("a picture of beads asks for the gel, and for a picture of the relaxed gel", async () => {
+  await opened({}, async (page) => {
+    const first = await runsOf(page);
+    await page.getByLabel("Or try a made-up picture").selectOption("one cell");
+    await ran(page, first + 1);
+    await page.getByRole("button", { name: "It shows beads in a gel" }).click();
+    assert.match((await ended(page)) ?? "", /\u201cmodulus of the gel\u201d/);
+    assert.equal(await page.locator("#measured").getByLabel("Size of a pixel, \u00b5m").inputValue(), "0.25");
+    assert.equal(await page.locator("#shown-cells").isVisible(), false);
+    await fillIn(page, "Modulus of the gel, kPa", "5");
+    await page.locator("#failure", { hasText: "is one picture" }).waitFor();
+    assert.match((await page.locator("#failure").textContent()) ?? "", /\u201cpicture of the relaxed gel\u201d/);
+  });
+});
+
 test("a compressed film is decoded by the browser, frame by frame, and one that it cannot decode is explained", async () => {
   await opened({}, async (page) => {
     const frames = Array.from({ length: FRAMES }, (_, frame) => beating(frame));
