@@ -137,6 +137,7 @@ impl Engine {
             }
             Request::Analyse(reading) => return self.analyse(&reading),
             Request::Track(film) => return self.track(film),
+            Request::Traction(displaced) => return self.results_of(&displaced.experiment()?),
             Request::Fit(fit) => return self.fit(fit),
             Request::Cells { settings } => {
                 let shown = ShownCells::of(&self.picture(settings)?.1, &self.files)?;
@@ -279,13 +280,15 @@ impl Engine {
     }
 
     fn fit(&mut self, fit: Fit) -> Result<Answer, ExperimentError> {
-        let Fit { curve, settings, free, peak_shortening_pct } = fit;
+        let traction = fit.on_gel().into_iter().collect();
+        let Fit { curve, settings, free, peak_shortening_pct, .. } = fit;
         let sought = FitOptions { free, peak_shortening_pct, ..FitOptions::default() };
         self.results_of(&FitCell {
             table: curve.table()?,
             beats: curve.beats(),
             to: vec![curve.name.into()],
             settings: chosen(settings)?,
+            traction,
             sought,
             threads: Some(1),
             ..FitCell::default()

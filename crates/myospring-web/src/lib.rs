@@ -12,5 +12,6 @@ mod engine;
 mod exports;
 mod progress;
 mod request;
+mod traction;
 
 pub use engine::Engine;

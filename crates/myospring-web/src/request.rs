@@ -1,5 +1,7 @@
 //! What the page asks.
 
+use crate::traction::Displaced;
+use myospring::experiment::fit::TractionCurve;
 use myospring::experiment::{BeatOptions, ExperimentError};
 use myospring::measured::{Column, Kind, TableOptions};
 use myospring::settings::Value;
@@ -38,6 +40,8 @@ pub(crate) enum Request {
     Analyse(Reading),
     /// Follows the cell of a film.
     Track(Filmed),
+    /// Finds the tractions of a cell on a gel.
+    Traction(Displaced),
     /// Finds the numbers of a cell from a curve or a film.
     Fit(Fit),
     /// Shows a report that is held.
@@ -173,4 +177,14 @@ pub(crate) struct Fit {
     pub(crate) free: Vec<String>,
     /// Largest shortening of the cell, %, for a curve in arbitrary units.
     pub(crate) peak_shortening_pct: Option<f64>,
+    /// A table of the force of the same cell on a gel, and Young's modulus of that gel, kPa; without it the gel of the settings.
+    traction: Option<String>,
+    gel_modulus_kpa: Option<f64>,
+}
+
+impl Fit {
+    pub(crate) fn on_gel(&self) -> Option<TractionCurve> {
+        let path = self.traction.as_ref()?.into();
+        Some(TractionCurve { gel_modulus: self.gel_modulus_kpa, path })
+    }
 }

@@ -71,6 +71,8 @@ fn the_force_of_a_simulated_cell_comes_back_from_the_displacements_around_it() {
     for file in ["traction.csv", "tractions.npz", "figures/traction.png", "myospring.sha256"] {
         assert!(at.join("found").join(file).is_file(), "{file}");
     }
+    let page = fs::read_to_string(at.join("found/report.html")).unwrap();
+    assert!(page.contains("axial force") && page.contains("in a region"));
 }
 
 #[test]
@@ -139,6 +141,8 @@ fn a_film_of_beads_gives_forces_that_other_commands_read() {
         assert!(said.contains(words), "{words}: {said}");
     }
     let results = at.join("results/beads_traction");
+    let page = fs::read_to_string(results.join("report.html")).unwrap();
+    assert!(page.contains("Tractions of beads.y4m") && page.contains("Beats of the axial force"));
     for file in ["figures", "summary.json", "traction.csv", "tractions.npz", "u.npy", "v.npy"] {
         assert!(names(&results).contains(&file.to_owned()), "{file}");
     }

@@ -1,7 +1,7 @@
 // Files that are dropped on the page or chosen: each goes where it belongs.
 
 import { find, make } from "./elements.js";
-import { FILMS, TABLES } from "./measured.js";
+import { ARRAYS, FILMS, rightFirst, TABLES } from "./measured.js";
 import { OutlineView } from "./outline.js";
 import { drawn, SAMPLES, PIXEL_UM } from "./samples.js";
 import { asPng, greyFilm, JPEGS, VIDEOS } from "./video.js";
@@ -25,7 +25,7 @@ const OF_JPEG = "It is a JPEG, whose compression smears edges and makes blocks o
 const RUN_FILE = /"file":"run\.toml","text":("(?:[^"\\]|\\.)*")/;
 const FILE = /\.(png|tiff?|csv|txt|tsv|xlsx|geojson|json|roi|zip|mmt|cellml)$/i;
 
-/** @typedef {"picture" | "outline" | "film" | "curves" | "run" | "model" | "report"} Kind */
+/** @typedef {"picture" | "outline" | "film" | "curves" | "arrays" | "run" | "model" | "report"} Kind */
 
 /**
  * What the page does besides.
@@ -53,6 +53,8 @@ export class Files {
   #barPixels = 0;
   /** Settings of the picture that is the cell. @type {Record<string, Value>} */
   #picture = {};
+  /** Arrays of displacements: one that waits for the other, or both. @type {string[]} */
+  #arrays = [];
 
   /** @param {Engine} engine @param {Form} form @param {Measured} measured @param {Doing} doing */
   constructor(engine, form, measured, doing) {
@@ -60,7 +62,7 @@ export class Files {
     this.#form = form;
     this.#measured = measured;
     this.#doing = doing;
-    this.#input.addEventListener("change", () => this.#take(this.#input.files?.[0]));
+    this.#input.addEventListener("change", () => this.#takeOf(this.#input.files));
     // The same file may be chosen again.
     this.#input.addEventListener("click", () => (this.#input.value = ""));
     this.#pixelSize.addEventListener("change", () => this.#change({ "shape.pixel_size": `${this.#pixelSize.value} um` }));
@@ -76,6 +78,8 @@ export class Files {
     this.#outlines.addEventListener("painted", (event) => this.#trace(/** @type {CustomEvent} */ (event).detail));
     this.#outlines.addEventListener("measured", (event) => this.#measure(/** @type {CustomEvent} */ (event).detail));
     this.#bar.addEventListener("change", () => this.#scale());
+    find("beads", HTMLButtonElement).addEventListener("click", () => this.#asBeads());
+    measured.addEventListener("given", (event) => this.#give(/** @type {CustomEvent} */ (event).detail));
     for (const button of document.querySelectorAll("[data-outline]")) {
       button.addEventListener("click", () => doing.save({ ask: "outline", settings: this.#picture, name: button.getAttribute("data-outline") ?? "" }));
     }
@@ -85,20 +89,22 @@ export class Files {
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
       event.preventDefault();
-      void this.#take(event.dataTransfer?.files[0]);
+      void this.#takeOf(event.dataTransfer?.files ?? null);
     });
   }
 
-  /** @param {File | undefined} file */
+  /** Takes two arrays, or the first of other files. @param {FileList | null} files */
+  async #takeOf(files) {
+    const all = [...(files ?? [])];
+    const isOfArrays = all.every(({ name }) => ARRAYS.test(name));
+    for (const file of isOfArrays ? all : all.slice(0, 1)) await this.#take(file);
+  }
+
+  /** @param {File} file */
   async #take(file) {
-    if (file === undefined) return;
-    const { name, size } = file;
-    if (size > LARGEST) {
-      const message = `${name} has ${(size / 1e6).toFixed(0)} MB; this page reads files of at most ${LARGEST / 1e6} MB.`;
-      return this.#doing.fail({ message, advice: "The program reads larger ones." });
-    }
-    if (!/\.(toml|html?)$/i.test(name) && ![PICTURES, JPEGS, OUTLINES, FILMS, VIDEOS, TABLES, MODELS].some((kind) => kind.test(name))) {
-      const advice = "Give a picture (.png, .tif), an outline (.geojson, .roi), a curve (.csv, .xlsx), a film (.avi, .tif, .y4m, .mp4, .webm), a cell model (.mmt, .cellml), a run file (.toml) or a report (.html).";
+    const { name } = file;
+    if (!/\.(toml|html?)$/i.test(name) && ![PICTURES, JPEGS, OUTLINES, FILMS, VIDEOS, TABLES, ARRAYS, MODELS].some((kind) => kind.test(name))) {
+      const advice = "Give a picture (.png, .tif), an outline (.geojson, .roi), a curve (.csv, .xlsx), a film (.avi, .tif, .y4m, .mp4, .webm), displacements of a gel (.npy), a cell model (.mmt, .cellml), a run file (.toml) or a report (.html).";
       return this.#doing.fail({ message: `${name} is of a kind that this page does not read.`, advice });
     }
     const read = await this.#read(file);
@@ -112,8 +118,43 @@ export class Files {
     if (JPEGS.test(name)) this.#outlines.remark = OF_JPEG;
   }
 
+  /** Holds a further file of a curve or a film. @param {{ key: string, file: File }} given */
+  async #give({ key, file }) {
+    const read = await this.#read(file);
+    if (read === null) return;
+    // It may have the name of the film.
+    const name = `${key}/${read.name}`;
+    const held = await this.#engine.ask({ ask: "hold", name }, read.bytes);
+    if (!this.#doing.failed(held)) this.#measured.give(key, name);
+  }
+
+  /** Takes an array of displacements, of which two are needed. @param {string} name */
+  #pair(name) {
+    const others = this.#arrays.filter((other) => other !== name);
+    this.#arrays = others.length < 2 ? [...others, name] : [name];
+    if (this.#arrays.length < 2) {
+      find("state", HTMLElement).textContent = `${name} is one component of displacements: give the other one, too.`;
+      return;
+    }
+    this.#measured.take(rightFirst(this.#arrays), "arrays");
+    this.#measured.dispatchEvent(new Event("read"));
+  }
+
+  /** The picture shows beads, not a cell. */
+  #asBeads() {
+    const [name, pixel_size_um] = [String(this.#picture["shape.picture"]), this.#pixelSize.value];
+    this.#leave();
+    this.#measured.take([name], "beads", { pixel_size_um });
+    this.#measured.dispatchEvent(new Event("read"));
+  }
+
   /** A file as the engine reads it; what only the browser decodes becomes another file. @param {File} file */
   async #read(file) {
+    if (file.size > LARGEST) {
+      const message = `${file.name} has ${(file.size / 1e6).toFixed(0)} MB; this page reads files of at most ${LARGEST / 1e6} MB.`;
+      this.#doing.fail({ message, advice: "The program reads larger ones." });
+      return null;
+    }
     const stem = file.name.replace(/\.[^.]*$/, "");
     const state = find("state", HTMLElement);
     try {
@@ -149,6 +190,7 @@ export class Files {
     if (/\.html?$/i.test(name)) return "report";
     if (MODELS.test(name)) return "model";
     if (FILMS.test(name)) return "film";
+    if (ARRAYS.test(name)) return "arrays";
     if (OUTLINES.test(name)) return "outline";
     if (/\.png$/i.test(name)) return "picture";
     const answer = await this.#engine.ask({ ask: "kind", name });
@@ -172,9 +214,10 @@ export class Files {
   /** @param {string} name @param {Exclude<Kind, "report">} kind */
   async #use(name, kind) {
     if (kind === "film" || kind === "curves") {
-      this.#measured.take(name, kind === "film");
+      this.#measured.take([name], kind === "film" ? "film" : "curve");
       return void this.#measured.dispatchEvent(new Event("read"));
     }
+    if (kind === "arrays") return this.#pair(name);
     if (kind === "model") return void ((await this.#learn(name)) && this.#form.takeModel(name));
     if (kind === "run") {
       const answer = await this.#engine.ask({ ask: "settings", name });

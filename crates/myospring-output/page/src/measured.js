@@ -1,11 +1,14 @@
-// A measured curve or a film: analysed, followed, fitted.
+// A measured curve, a film or displacements of a gel: analysed, followed, fitted.
 
 import { find, make } from "./elements.js";
 
-/** @import { Reading, Request, Value } from "./requests.js" */
+/** @import { Displaced, Reading, Request, Value } from "./requests.js" */
 
-/** Films, and tables of curves; a text may also be an outline. */
+/** @typedef {"curve" | "film" | "beads" | "arrays"} What A table of curves, a film of a cell, pictures of beads, or displacements of a gel. */
+
+/** Films, displacements, and tables of curves; a text may also be an outline. */
 export const FILMS = /\.(avi|y4m)$/i;
+export const ARRAYS = /\.npy$/i;
 export const TABLES = /\.(csv|txt|tsv|atf|asc|tab|xlsx|xlsm)$/i;
 
 /** What the program calls a field of this page. @type {Record<string, string>} */
@@ -21,6 +24,13 @@ const FIELDS = {
   "--allow-cut": "the frame may cut the cell",
   "--from": "from",
   "--until": "until",
+  "--gel-modulus": "modulus of the gel",
+  "--gel-poisson": "Poisson's ratio of the gel",
+  "--gel-thickness": "thickness of the gel",
+  "--subset": "side of a square",
+  "--reference": "picture of the relaxed gel",
+  "--region": "region of the cell",
+  "--traction": "its force on a gel",
 };
 
 /** A message of the program, in the words of this page. @param {string} text */
@@ -45,20 +55,64 @@ const KINDS = [
   ["potential", "potential"],
 ];
 
-/** The part of the form that is about a curve or a film. Fires `read` when it is to be read again. */
+/** What the page says while it reads. @type {Record<What, string>} */
+const DOING = { curve: "Finding the beats", film: "Following the film", beads: "Following the beads", arrays: "Finding the tractions" };
+
+/** Fields that are not for all files, and for which. @type {Record<string, What[]>} */
+const FOR = {
+  shows: ["film", "beads"],
+  columns: ["curve"],
+  kind: ["curve"],
+  unit: ["curve"],
+  time_unit: ["curve"],
+  from_ms: ["curve", "film"],
+  until_ms: ["curve", "film"],
+  stimulus_period_ms: ["curve"],
+  peak_shortening_pct: ["curve"],
+  allow_cut: ["film"],
+  traction: ["curve"],
+  gel_modulus_kpa: ["curve", "beads", "arrays"],
+  gel_poisson: ["beads", "arrays"],
+  gel_thickness_um: ["beads", "arrays"],
+  unit_um: ["arrays"],
+  subset_um: ["beads", "arrays"],
+  reference: ["beads"],
+  region: ["beads", "arrays"],
+};
+
+/**
+ * Two arrays of displacements, that to the right first: the one whose name says `u`, or the earlier one.
+ *
+ * @param {string[]} names
+ */
+export function rightFirst(names) {
+  const says = (/** @type {string} */ letter, /** @type {string} */ name) => new RegExp(`(^|[^a-z])${letter}([^a-z]|$)`, "i").test(name.replace(ARRAYS, ""));
+  const [first, second] = names;
+  return says("v", first) && !says("v", second) ? [second, first] : says("u", second) && !says("u", first) ? [second, first] : names;
+}
+
+/**
+ * The part of the form that is about a curve, a film or displacements. Fires `read` when they are to be read again, and `given` with a
+ * further file and the key of its field.
+ */
 export class Measured extends EventTarget {
   #place = find("measured", HTMLElement);
   #title = find("measured-title", HTMLElement);
   #fields = find("measured-fields", HTMLElement);
   /** @type {Map<string, HTMLInputElement | HTMLSelectElement>} */
   #inputs = new Map();
-  /** The file, or null. @type {string | null} */
-  name = null;
-  isFilm = false;
+  /** Further files, as the engine holds them, by the keys of their fields. @type {Map<string, string>} */
+  #given = new Map();
+  /** The file, or the two arrays; none at first. @type {string[]} */
+  #names = [];
+  /** @type {What} */
+  #what = "curve";
 
   constructor() {
     super();
     const kind = make("select", {}, ...KINDS.map(([value, words]) => make("option", { value }, words)));
+    const shows = make("select", {}, make("option", { value: "" }, "a cell"), make("option", { value: "beads" }, "beads in a gel"));
+    this.#add("shows", "It shows", shows);
     this.#add("frame_rate_per_s", "Frames a second", numberField());
     this.#add("pixel_size_um", "Size of a pixel, \u00b5m", numberField());
     this.#add("columns", "Columns", make("input", { type: "text", placeholder: "all", spellcheck: "false" }));
@@ -70,32 +124,75 @@ export class Measured extends EventTarget {
     this.#add("stimulus_period_ms", "Time between stimuli, ms", numberField());
     this.#add("peak_shortening_pct", "Largest shortening, %", numberField());
     this.#add("allow_cut", "The frame may cut the cell", make("input", { type: "checkbox" }));
+    this.#add("traction", "Its force on a gel, a table", make("input", { type: "file" }));
+    this.#add("gel_modulus_kpa", "Modulus of the gel, kPa", numberField());
+    this.#add("gel_poisson", "Poisson's ratio of the gel", numberField("0.49"));
+    this.#add("gel_thickness_um", "Thickness of the gel, \u00b5m", numberField("a half-space"));
+    this.#add("unit_um", "A displacement of 1 is, \u00b5m", numberField("a pixel"));
+    this.#add("subset_um", "Side of a square, \u00b5m", numberField());
+    this.#add("reference", "Picture of the relaxed gel", make("input", { type: "file" }));
+    this.#add("region", "Region of the cell, a mask or an outline", make("input", { type: "file" }));
   }
 
   /** @param {string} key @param {string} words @param {HTMLInputElement | HTMLSelectElement} input */
   #add(key, words, input) {
     this.#inputs.set(key, input);
-    input.addEventListener("change", () => this.dispatchEvent(new Event("read")));
-    this.#fields.append(make("label", { class: "field" }, words, input));
+    input.addEventListener("change", () => {
+      const file = input instanceof HTMLInputElement ? input.files?.[0] : undefined;
+      if (file !== undefined) return void this.dispatchEvent(new CustomEvent("given", { detail: { key, file } }));
+      this.#given.delete(key);
+      if (key === "shows") this.#become(input.value === "beads" ? "beads" : "film");
+      this.dispatchEvent(new Event("read"));
+    });
+    this.#fields.append(make("label", { class: input.type === "file" ? "field file" : "field" }, words, input));
   }
 
-  /** Takes a file, and asks nothing about it yet. @param {string} name @param {boolean} isFilm */
-  take(name, isFilm) {
-    [this.name, this.isFilm] = [name, isFilm];
-    for (const input of this.#inputs.values()) {
+  /**
+   * Takes a file, or two arrays, and asks nothing about it yet.
+   *
+   * @param {string[]} names
+   * @param {What} what
+   * @param {Record<string, string>} known Values of fields.
+   */
+  take(names, what, known = {}) {
+    this.#names = names;
+    this.#given.clear();
+    for (const [key, input] of this.#inputs) {
       if (input instanceof HTMLInputElement && input.type === "checkbox") input.checked = false;
-      else input.value = "";
+      else input.value = known[key] ?? "";
     }
-    this.#title.textContent = name;
-    for (const key of ["columns", "kind", "unit", "time_unit", "stimulus_period_ms", "peak_shortening_pct"]) this.#show(key, !isFilm);
-    this.#show("allow_cut", isFilm);
+    this.#title.textContent = this.name;
+    this.#become(what);
     this.#place.hidden = false;
   }
 
-  /** @param {string} key @param {boolean} isShown */
-  #show(key, isShown) {
-    const label = this.#inputs.get(key)?.parentElement;
-    if (label !== null && label !== undefined) label.hidden = !isShown;
+  /** Shows the fields for what the file is. @param {What} what */
+  #become(what) {
+    this.#what = what;
+    const shows = this.#inputs.get("shows");
+    if (shows !== undefined) shows.value = what === "beads" ? "beads" : "";
+    for (const [key, { parentElement: label }] of this.#inputs) {
+      if (label !== null) label.hidden = !(FOR[key]?.includes(what) ?? true);
+    }
+    for (const element of document.querySelectorAll("[data-of-fit]")) {
+      if (element instanceof HTMLElement) element.hidden = what === "beads" || what === "arrays";
+    }
+  }
+
+  /** Takes a further file, as the engine holds it. @param {string} key @param {string} name */
+  give(key, name) {
+    this.#given.set(key, name);
+    this.dispatchEvent(new Event("read"));
+  }
+
+  /** The file, or the two arrays. */
+  get name() {
+    return this.#names.join(", ");
+  }
+
+  /** What the page says while it reads. */
+  get doing() {
+    return DOING[this.#what];
   }
 
   /** Opens the fields, for what the file does not say. */
@@ -104,7 +201,7 @@ export class Measured extends EventTarget {
   }
 
   leave() {
-    this.name = null;
+    this.#names = [];
     this.#place.hidden = true;
   }
 
@@ -124,14 +221,14 @@ export class Measured extends EventTarget {
   get reading() {
     const columns = this.#text("columns")?.split(",").map((name) => name.trim()) ?? [];
     return {
-      name: this.name ?? "",
+      name: this.name,
       columns,
       kind: this.#text("kind"),
       unit: this.#text("unit"),
       time_unit: this.#text("time_unit"),
       frame_rate_per_s: this.#number("frame_rate_per_s"),
       // Of a film it is a setting of its cell.
-      pixel_size_um: this.isFilm ? null : this.#number("pixel_size_um"),
+      pixel_size_um: this.#what === "film" ? null : this.#number("pixel_size_um"),
       from_ms: this.#number("from_ms"),
       until_ms: this.#number("until_ms"),
       stimulus_period_ms: this.#number("stimulus_period_ms"),
@@ -140,27 +237,47 @@ export class Measured extends EventTarget {
 
   /** Settings that the file itself needs. @returns {Record<string, Value>} */
   get #own() {
-    if (!this.isFilm) return {};
+    if (this.#what !== "film") return {};
     const [size, cut] = [this.#number("pixel_size_um"), this.#inputs.get("allow_cut")];
     /** @type {Record<string, Value>} */
     const own = size === null ? {} : { "shape.pixel_size": `${size} um` };
     return cut instanceof HTMLInputElement && cut.checked ? { ...own, "segmentation.allow_cut": true } : own;
   }
 
+  /** Displacements and the gel. @returns {Displaced} */
+  get #displaced() {
+    return {
+      files: this.#names,
+      gel_modulus_kpa: this.#number("gel_modulus_kpa"),
+      gel_poisson: this.#number("gel_poisson"),
+      gel_thickness_um: this.#number("gel_thickness_um"),
+      pixel_size_um: this.#number("pixel_size_um"),
+      unit_um: this.#number("unit_um"),
+      subset_um: this.#number("subset_um"),
+      frame_rate_per_s: this.#number("frame_rate_per_s"),
+      reference: this.#given.get("reference") ?? null,
+      region: this.#given.get("region") ?? null,
+    };
+  }
+
   /** The question what the file shows. @returns {Request} */
   get question() {
     const { name, frame_rate_per_s } = this.reading;
-    return this.isFilm ? { ask: "track", name, frame_rate_per_s, settings: this.#own } : { ask: "analyse", ...this.reading };
+    if (this.#what === "film") return { ask: "track", name, frame_rate_per_s, settings: this.#own };
+    return this.#what === "curve" ? { ask: "analyse", ...this.reading } : { ask: "traction", ...this.#displaced };
   }
 
   /** The question which cell would do the same. @param {Record<string, Value>} settings @returns {Request} */
   fitting(settings) {
-    return { ask: "fit", ...this.reading, peak_shortening_pct: this.#number("peak_shortening_pct"), settings: { ...settings, ...this.#own } };
+    const [traction, gel_modulus_kpa] = [this.#given.get("traction") ?? null, this.#number("gel_modulus_kpa")];
+    const own = { peak_shortening_pct: this.#number("peak_shortening_pct"), traction, gel_modulus_kpa };
+    return { ask: "fit", ...this.reading, ...own, settings: { ...settings, ...this.#own } };
   }
 }
 
-function numberField() {
-  return make("input", { type: "number", step: "any", min: "0" });
+/** @param {string} usual What an empty field stands for. */
+function numberField(usual = "") {
+  return make("input", { type: "number", step: "any", min: "0", placeholder: usual });
 }
 
 /**

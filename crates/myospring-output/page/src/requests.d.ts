@@ -21,7 +21,33 @@ export type Request =
   | { ask: "outline"; settings: Record<string, Value>; name: string }
   | ({ ask: "analyse" } & Reading)
   | { ask: "track"; name: string; frame_rate_per_s: number | null; settings: Record<string, Value> }
-  | ({ ask: "fit"; settings: Record<string, Value>; free?: string[]; peak_shortening_pct: number | null } & Reading);
+  | ({ ask: "traction" } & Displaced)
+  | ({ ask: "fit"; settings: Record<string, Value>; free?: string[]; peak_shortening_pct: number | null } & Partial<OnGel> & Reading);
+
+/** Displacements of a gel, or pictures of the beads in it, and what they do not say themselves. */
+export interface Displaced {
+  /** Two arrays of displacements, to the right and downward; or a film or a picture of beads. */
+  files: string[];
+  gel_modulus_kpa: number | null;
+  gel_poisson: number | null;
+  gel_thickness_um: number | null;
+  pixel_size_um: number | null;
+  /** What a displacement of 1 is; a pixel unless stated. */
+  unit_um: number | null;
+  /** Side of the squares in which displacements are, or were, measured. */
+  subset_um: number | null;
+  frame_rate_per_s: number | null;
+  /** A picture of the relaxed gel. */
+  reference: string | null;
+  /** A picture or outlines of the cell. */
+  region: string | null;
+}
+
+/** A table of the force of the same cell on a gel. */
+export interface OnGel {
+  traction: string | null;
+  gel_modulus_kpa: number | null;
+}
 
 /** A table of curves, and how it is read; whatever is absent is detected. */
 export interface Reading {

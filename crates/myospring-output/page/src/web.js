@@ -21,6 +21,8 @@ const NOTICED = 300;
 let shown = null;
 /** The set-up that is to be run next. @type {Setup | null} */
 let wanted = null;
+/** Number of the last work of `work`; what comes of an earlier one is not said. */
+let works = 0;
 /** When the present run began, or null. @type {number | null} */
 let begun = null;
 
@@ -181,7 +183,7 @@ function fail({ message, advice }) {
  * @returns {Promise<Results | null>}
  */
 async function work(engine, request, doing) {
-  const asked = performance.now();
+  const [asked, own] = [performance.now(), ++works];
   state.textContent = `${doing}.`;
   stop.hidden = false;
   engine.onprogress = (what, done, of) => {
@@ -196,15 +198,17 @@ async function work(engine, request, doing) {
       document.body.dataset.runs = String(Number(document.body.dataset.runs ?? 0) + 1);
     }
     offer(files, engine);
-    state.textContent = `${doing}: done in ${((performance.now() - asked) / 1000).toFixed(1)} s.`;
+    if (own === works) state.textContent = `${doing}: done in ${((performance.now() - asked) / 1000).toFixed(1)} s.`;
     return answer.results;
   } catch (error) {
     if (!(error instanceof Stopped)) throw error;
-    state.textContent = "Stopped.";
+    if (own === works) state.textContent = "Stopped.";
     return null;
   } finally {
-    stop.hidden = true;
-    engine.onprogress = () => {};
+    if (own === works) {
+      stop.hidden = true;
+      engine.onprogress = () => {};
+    }
   }
 }
 
@@ -226,10 +230,14 @@ function offer(files, engine) {
 function setUpMeasured(engine, form, measured) {
   const takeOver = find("take-over", HTMLButtonElement);
   const model = find("fit-model", HTMLSelectElement);
+  let reading = 0;
   const read = async () => {
     takeOver.hidden = true;
     pin.hidden = true;
-    const found = await work(engine, measured.question, measured.isFilm ? "Following the film" : "Finding the beats");
+    // What was asked before has another answer now.
+    if (reading > 0) engine.stop();
+    reading += 1;
+    const found = await work(engine, measured.question, measured.doing).finally(() => (reading -= 1));
     if (found === null) measured.open();
   };
   measured.addEventListener("read", read);
@@ -251,7 +259,7 @@ function setUpMeasured(engine, form, measured) {
     if (failed(answer) || answer.file === undefined) return;
     const text = new TextEncoder().encode(madeUp(atob(answer.file.base64)));
     if (failed(await engine.ask({ ask: "hold", name: "made_up.csv" }, text))) return;
-    measured.take("made_up.csv", false);
+    measured.take(["made_up.csv"], "curve");
     await read();
   });
 }

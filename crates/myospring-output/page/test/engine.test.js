@@ -7,7 +7,8 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { promisify } from "node:util";
 import { engine, run } from "./engine.js";
-import { folder, numbersIn, payloadOf } from "./program.js";
+import { arrays, beadFilm, outline } from "./gel.js";
+import { folder, myospring, numbersIn, payloadOf } from "./program.js";
 
 /** @import { Answer, Request } from "../src/requests.js" */
 
@@ -19,6 +20,9 @@ const COARSE = "6 um";
 
 /** What rounding explains: exp and tanh differ in the last digits. Of the value, or in its unit where that is below 1. */
 const TOLERANCE = 1e-9;
+
+/** In a region tractions are found by conjugate gradients, which end at this part of the residual: the rest depends on rounding. */
+const IN_REGION = 1e-6;
 
 /** @param {Answer} answer */
 function pageOf(answer) {
@@ -136,6 +140,72 @@ test("a setting outside its bounds, an unknown key and a file that is no picture
   assert.match(said(ask(run({ "shape.picture": "cell.png", "shape.pixel_size": "0.3 um" }))), /cell\.png/);
   assert.match(said(ask(run({ "shape.picture": "other.png", "shape.pixel_size": "0.3 um" }))), /other\.png/);
   pageOf(ask(run({})));
+});
+
+/** What a request about a gel does not say. */
+const UNSAID = { gel_poisson: null, gel_thickness_um: null, unit_um: null, subset_um: null, frame_rate_per_s: null, reference: null, region: null };
+
+/** @param {any} one @param {any} other @param {string} name @param {number} tolerance */
+function sameForces(one, other, name, tolerance) {
+  assert.deepEqual(Object.keys(one), Object.keys(other));
+  for (const [key, value] of Object.entries(one)) {
+    if (typeof value !== "number") assert.deepEqual(value, other[key], `${name}: ${key}`);
+    else assert.ok(Math.abs(value - other[key]) <= tolerance * Math.max(Math.abs(other[key]), 1), `${name}: ${key} is ${value}, of the program ${other[key]}`);
+  }
+}
+
+test("tractions of displacements, and of beads, are those of the program", async () => {
+  const { ask } = await engine();
+  const [u, v] = arrays(40, 60);
+  const files = { "u.npy": u, "v.npy": v, "cell.geojson": outline([15, 10], [9, 6]), "beads.y4m": beadFilm([0, 0, 1, 3, 1, 0]), "relaxed.y4m": beadFilm([0]), "around.geojson": outline([30, 24], [18, 15]) };
+  for (const [name, content] of Object.entries(files)) {
+    await writeFile(join(folder, name), content);
+    ask({ ask: "hold", name }, new Uint8Array(Buffer.from(content)));
+  }
+  const gel = { ...UNSAID, gel_modulus_kpa: 5 };
+  const thick = ["--gel-modulus", "5 kPa", "--force"];
+  const told = { ...gel, gel_poisson: 0.45, gel_thickness_um: 40, region: "cell.geojson" };
+  const layer = ["--gel-poisson", "0.45", "--gel-thickness", "40 um", "--region", "cell.geojson"];
+  const around = { ...gel, region: "around.geojson" };
+  const besides = ["--region", "around.geojson"];
+  for (const [name, request, args, least] of /** @type {[string, any, string[], number][]} */ ([
+    ["arrays", { ...gel, files: ["u.npy", "v.npy"], pixel_size_um: 0.5 }, ["u.npy", "v.npy", "--pixel-size", "0.5 um"], 5],
+    ["layer", { ...told, files: ["u.npy", "v.npy"], pixel_size_um: 0.5 }, ["u.npy", "v.npy", "--pixel-size", "0.5 um", ...layer], 5],
+    ["film", { ...around, files: ["beads.y4m"], pixel_size_um: 0.3 }, ["beads.y4m", "--pixel-size", "0.3 um", ...besides], 10],
+    ["relaxed", { ...around, files: ["beads.y4m"], pixel_size_um: 0.3, reference: "relaxed.y4m" }, ["beads.y4m", "--pixel-size", "0.3 um", "--reference", "relaxed.y4m", ...besides], 10],
+  ])) {
+    const { results, error } = ask({ ask: "traction", ...request });
+    assert.equal(error, undefined, `${name}: ${error?.message}`);
+    const names = results?.files.map((file) => file.name) ?? [];
+    for (const file of ["traction.csv", "tractions.npz", "summary.json", "figures/traction.png"]) assert.ok(names.includes(file), `${name}: ${file}`);
+    await myospring("traction", ...args, ...thick, "--output", `traction_${name}`);
+    const own = JSON.parse(textOf(ask({ ask: "result", name: "summary.json" })));
+    const theirs = JSON.parse(await readFile(join(folder, `traction_${name}`, "summary.json"), "utf8"));
+    assert.ok(own.largest_force.axial_force_nN > least, `${name}: ${own.largest_force.axial_force_nN}`);
+    sameForces(own.largest_force, theirs.largest_force, name, own.confined_to_a_region ? IN_REGION : TOLERANCE);
+    assert.deepEqual(own.warnings, theirs.warnings, name);
+    assert.equal(results?.page?.sections[0].id, "key");
+  }
+  const said = (/** @type {any} */ request) => JSON.stringify(ask({ ask: "traction", ...UNSAID, gel_modulus_kpa: null, pixel_size_um: null, ...request }).error);
+  assert.match(said({ files: ["u.npy", "v.npy"] }), /--pixel-size/);
+  assert.match(said({ files: ["u.npy", "v.npy"], pixel_size_um: 0.5 }), /--gel-modulus/);
+  assert.match(said({ files: ["u.npy", "v.npy"], pixel_size_um: 0.5, gel_modulus_kpa: 0 }), /must be above 0 kPa/);
+  assert.match(said({ files: [] }), /two arrays/);
+});
+
+test("a fit takes a table of the force on a gel, with the modulus of that gel", async () => {
+  const { ask } = await engine();
+  const table = (/** @type {string} */ head) => new TextEncoder().encode([head, ...Array.from({ length: 60 }, (_, at) => `${10 * at},${100 - 10 * Math.sin((Math.PI * at) / 59) ** 2}`)].join("\n"));
+  ask({ ask: "hold", name: "cell.csv" }, table("t_ms,length_um"));
+  ask({ ask: "hold", name: "traction/force.csv" }, table("t_ms,axial_force_nN"));
+  ask({ ask: "hold", name: "traction/length.csv" }, table("t_ms,length_um"));
+  /** @type {any} */
+  const fit = { ask: "fit", name: "cell.csv", columns: [], kind: null, unit: null, time_unit: null, frame_rate_per_s: null, pixel_size_um: null, from_ms: null, until_ms: null, stimulus_period_ms: null, peak_shortening_pct: null, settings: {} };
+  const said = (/** @type {string} */ traction, /** @type {number | null} */ gel_modulus_kpa) => `${ask({ ...fit, traction, gel_modulus_kpa }).error?.message}`;
+  assert.match(said("traction/length.csv", 5), /needs a force in nN.*length_um/);
+  assert.match(said("traction/force.csv", null), /needs the gel on which the force was measured/);
+  assert.match(said("traction/force.csv", 1e9), /a gel of 1000000000 kPa/);
+  assert.match(said("traction/none.csv", 5), /traction\/none\.csv/);
 });
 
 test("memory stays flat over 200 runs", async () => {

@@ -7,6 +7,7 @@ import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 import { violationsOn } from "./axe.js";
+import { arrays, beadFilm, outline } from "./gel.js";
 import { folder, myospring } from "./program.js";
 
 /** @import { Browser, BrowserContextOptions, Page } from "playwright-core" */
@@ -414,6 +415,85 @@ test("a film is followed, and says how far it is", async () => {
     const rows = (await result(page, "track.csv")).trim().split("\n");
     assert.equal(rows.length, FRAMES + 1);
     await shot(page, "film");
+  });
+});
+
+/** Fills a field of the file that is read, in. @param {Page} page @param {string} name @param {string} value */
+async function fillIn(page, name, value) {
+  const field = page.locator("#measured").getByLabel(name);
+  await field.fill(value);
+  await field.press("Tab");
+}
+
+test("two arrays of displacements are dropped and give the force of the cell, in a region, too", async () => {
+  const [u, v] = arrays(40, 60);
+  await writeFile(join(folder, "region.geojson"), outline([15, 10], [9, 6]));
+  await opened({}, async (page) => {
+    const dropped = await page.evaluateHandle((files) => {
+      const transfer = new DataTransfer();
+      for (const [name, base64] of files) transfer.items.add(new File([Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0))], name));
+      return transfer;
+    }, [["gel_v.npy", v.toString("base64")], ["gel_u.npy", u.toString("base64")]]);
+    await page.dispatchEvent("body", "drop", { dataTransfer: dropped });
+    assert.match((await ended(page)) ?? "", /\u201csize of a pixel\u201d/);
+    assert.equal(await page.locator("#measured-title").textContent(), "gel_u.npy, gel_v.npy");
+    await fillIn(page, "Size of a pixel, \u00b5m", "0.5");
+    await page.locator("#failure", { hasText: "\u201cmodulus of the gel\u201d" }).waitFor();
+    const first = await runsOf(page);
+    await fillIn(page, "Modulus of the gel, kPa", "5");
+    await ran(page, first + 1);
+    assert.equal(await ended(page), null);
+    const force = async () => JSON.parse(await result(page, "summary.json")).largest_force.axial_force_nN;
+    const whole = await force();
+    assert.ok(whole > 5, `${whole}`);
+    assert.ok(Math.abs(Number.parseFloat((await tile(page, "axial force")) ?? "") - whole) < 0.06);
+    assert.equal(await page.locator("#map img").isVisible(), true);
+    assert.match((await page.locator("#warnings").textContent()) ?? "", /false tractions/);
+    assert.equal(await page.getByRole("button", { name: "Fit the cell" }).isVisible(), false);
+    await page.locator("#measured").getByLabel("Region of the cell").setInputFiles(join(folder, "region.geojson"));
+    await ran(page, first + 2);
+    assert.equal(await ended(page), null);
+    assert.notEqual(await force(), whole);
+    assert.match((await page.locator("body").textContent()) ?? "", /in a region/);
+    assert.deepEqual(await violationsOn(page), []);
+    await shot(page, "traction");
+  });
+});
+
+test("a film of beads in a gel gives the force of the cell, relative to rest or to a picture of the relaxed gel", async () => {
+  await writeFile(join(folder, "gel.y4m"), beadFilm([0, 0, 1, 3, 1, 0]));
+  await writeFile(join(folder, "relaxed.y4m"), beadFilm([0]));
+  await opened({}, async (page) => {
+    await page.locator("#file").setInputFiles(join(folder, "gel.y4m"));
+    assert.notEqual(await ended(page), null);
+    await page.locator("#measured").getByLabel("It shows").selectOption("beads in a gel");
+    await fillIn(page, "Size of a pixel, \u00b5m", "0.3");
+    const first = await runsOf(page);
+    await fillIn(page, "Modulus of the gel, kPa", "5");
+    await ran(page, first + 1);
+    assert.equal(await ended(page), null);
+    assert.match((await page.locator("#found").textContent()) ?? "", /frame \d of the film, at rest/);
+    await page.locator("#measured").getByLabel("Picture of the relaxed gel").setInputFiles(join(folder, "relaxed.y4m"));
+    await ran(page, first + 2);
+    assert.match((await page.locator("#found").textContent()) ?? "", /relaxed\.y4m/);
+    assert.equal((await result(page, "traction.csv")).trim().split("\n").length, 7);
+    assert.ok(Number.parseFloat((await tile(page, "axial force")) ?? "") > 10);
+    await shot(page, "beads");
+  });
+});
+
+test("a picture of beads asks for the gel, and for a picture of the relaxed gel", async () => {
+  await opened({}, async (page) => {
+    const first = await runsOf(page);
+    await page.getByLabel("Or try a made-up picture").selectOption("one cell");
+    await ran(page, first + 1);
+    await page.getByRole("button", { name: "It shows beads in a gel" }).click();
+    assert.match((await ended(page)) ?? "", /\u201cmodulus of the gel\u201d/);
+    assert.equal(await page.locator("#measured").getByLabel("Size of a pixel, \u00b5m").inputValue(), "0.25");
+    assert.equal(await page.locator("#shown-cells").isVisible(), false);
+    await fillIn(page, "Modulus of the gel, kPa", "5");
+    await page.locator("#failure", { hasText: "is one picture" }).waitFor();
+    assert.match((await page.locator("#failure").textContent()) ?? "", /\u201cpicture of the relaxed gel\u201d/);
   });
 });
 

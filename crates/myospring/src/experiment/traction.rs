@@ -33,6 +33,7 @@ mod followed;
 mod found;
 mod frame;
 mod measured;
+mod page;
 mod region;
 
 pub use follow::Beads;

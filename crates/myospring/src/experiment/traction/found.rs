@@ -4,6 +4,7 @@ use super::beats::{BeatsReport, report};
 use super::followed::Followed;
 use super::frame::TractionFrame;
 use super::measured::{Displacements, upward};
+use super::page::{self, Shown};
 use crate::experiment::analyse::AnalysedCurve;
 use crate::experiment::{Draw, ExperimentError, Folder, Observer, Outcome};
 use crate::mechanics::gel::cytometry::Tractions;
@@ -171,6 +172,24 @@ impl FoundTractions {
         })
     }
 
+    fn shown(&self) -> Shown<'_> {
+        let found = &self.tractions[self.strongest_at()];
+        Shown {
+            frames: &self.frames,
+            strongest: self.strongest(),
+            beats: self.beats.as_ref(),
+            // Why it is not drawn is a warning when it is saved.
+            map: self.figure().ok(),
+            gel: self.gel,
+            is_confined: self.is_confined,
+            followed: self.followed(),
+            noise_um: found.noise_um,
+            shortest_wave_um: found.shortest_wave_um,
+            definitions: &DEFINITIONS,
+            warnings: self.warnings(),
+        }
+    }
+
     fn figure(&self) -> Result<figure::Figure, FigureError> {
         let Surface { spacing, shape, .. } = self.measured.surfaces[0];
         // As many as the eye can distinguish.
@@ -280,6 +299,7 @@ impl Outcome for FoundTractions {
     fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
         folder.write("traction.csv", self.table().to_csv()?)?;
         folder.write("summary.json", json::pretty(&self.numbers())?)?;
+        folder.write("report.html", page::html(self.shown())?)?;
         let [.., x, y] = self.fields();
         folder.write(
             "tractions.npz",
