@@ -6,12 +6,15 @@
 
 use crate::check::{Failure, Setting, metric};
 use crate::row::Row;
+use myospring::experiment::traction::{Beads, Traction};
+use myospring::experiment::{Experiment, Files};
 use myospring::mechanics::compliance::Compliance;
-use myospring::mechanics::gel::{Gel, GelBed};
+use myospring::mechanics::gel::{Gel, GelBed, cytometry};
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::outline::Outline;
 use myospring::mesh::{Mesh, built_in, lattice};
 use myospring::prelude::*;
+use myospring::recording::{AXIAL_FORCE, CONTRACTILE_MOMENT};
 use myospring::run_file::{PRESETS, RunFile};
 use myospring::simulation::Outcome;
 use serde::Deserialize;
@@ -54,6 +57,29 @@ fn beat(modulus: f64, spacing: f64) -> Result<(Simulation, Outcome), Failure> {
     Ok((simulation, outcome))
 }
 
+/// The sum of absolute tractions, nN, that displacements of the gel around a cell at its largest force give, in a region 2 um
+/// wider than the cell.
+fn back(simulation: &Simulation, outcome: &Outcome) -> Result<f64, Failure> {
+    let SupportKind::Gel(gel) = simulation.support else { return Err("no gel".into()) };
+    let bed = GelBed::new(gel, &simulation.mesh, simulation.long_axis)?;
+    let frames = outcome.recording.frames.iter();
+    let frame = frames.max_by(|a, b| a.ta_kpa.total_cmp(&b.ta_kpa)).ok_or("no frames")?;
+    let forces = frame.on_gel_nn.as_ref().ok_or("no forces")?;
+    let attached = |axis: usize| bed.nodes().iter().map(|&node| forces[axis][node]).collect();
+    let surface = bed.surface(&[attached(0), attached(1)], 0.5);
+    let mesh = &simulation.mesh;
+    let inside = surface.within(|[x, y]| {
+        (0..mesh.len()).any(|node| {
+            let [a, b] = mesh.point(node);
+            (x - a).hypot(y - b) < 2.0
+        })
+    });
+    let spacing = surface.spacing;
+    let found =
+        cytometry::tractions(&gel, &[surface], Some(&inside), cytometry::Errors::default())?;
+    Ok(found.first().ok_or("nothing found")?.force_nn(spacing, None))
+}
+
 /// Makes the rows.
 ///
 /// # Errors
@@ -65,7 +91,24 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
     let table = include_str!("../reference/pytfm.csv");
     for found in csv::Reader::from_reader(table.as_bytes()).deserialize() {
         let Found { gel_kPa, total_nN, axial_nN } = found?;
-        let (_, outcome) = beat(gel_kPa, 1.2)?;
+        let (simulation, outcome) = beat(gel_kPa, 1.2)?;
+        let back = back(&simulation, &outcome)?;
+        rows.push(Row::difference(
+            format!("displacements around that cell on {gel_kPa} kPa, back to forces: sum of absolute tractions"),
+            "the forces that made them",
+            back / metric(&outcome, "peak_traction_force")? - 1.0,
+            0.05,
+            "of them",
+            "the map is smoothed",
+        ));
+        rows.push(Row::difference(
+            format!("the same on {gel_kPa} kPa, beside pyTFM on these displacements"),
+            "pyTFM 1.3.5",
+            back / total_nN - 1.0,
+            0.05,
+            "of its",
+            "two ways to smooth",
+        ));
         for (name, what, theirs) in [
             ("peak_traction_force", "sum of absolute tractions", total_nN),
             ("peak_axial_force", "force of half the cell along it", axial_nN),
@@ -81,6 +124,7 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
         }
     }
     rows.extend(measured()?);
+    rows.extend(beads()?);
     Ok(rows)
 }
 
@@ -210,5 +254,48 @@ fn measured() -> Result<Vec<Row>, Failure> {
             "nN",
             "measured: 23.3 nN, 95 % from 19.5 to 27.9",
         ),
+    ])
+}
+
+/// The cell that the film of beads of the tutorial was made from (`examples/bead_tutorial.rs`).
+const FILMED: &str = "shape.built_in = \"hipsc_derived\"\nmaterial.young_modulus = \"40 kPa\"\nmaterial.area_modulus = \
+                      \"22.7 kPa\"\nmaterial.thickness = \"5 um\"\ncell.peak_tension = \"2.7 kPa\"\nmechanics.support = \
+                      \"gel\"\nmechanics.gel_modulus = \"10 kPa\"\nnumerics.integrator = \"quasi-static\"";
+
+/// A film of beads with noise, made from a simulated cell: what it gives back.
+fn beads() -> Result<Vec<Row>, Failure> {
+    let held = [
+        ("beads.tif", &include_bytes!("../../examples/tutorial/beads.tif")[..]),
+        ("around.geojson", include_bytes!("../../examples/tutorial/around.geojson")),
+    ];
+    let files = Files::holding(held.map(|(name, bytes)| (name.to_owned(), bytes.to_vec())).into());
+    let description = Traction::of_beads(Beads::of("beads.tif"), Gel::half_space(10.0));
+    let found =
+        Traction { region: Some("around.geojson".into()), ..description }.run(&files, &())?;
+    let frame = found.strongest();
+    let none = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    let run = RunFile::from_text(FILMED)?.resolve()?;
+    let made = run.make(run.shape.mesh(&run.shape.bytes(none)?)?, none)?;
+    let recording = made.simulation.build()?.run(|_| true).recording;
+    let time = frame.t_ms.ok_or("a film without times")?;
+    let place = recording.samples.iter().position(|sample| sample.t_ms >= time - 1e-6);
+    let place = place.ok_or("the run is shorter than the film")?;
+    let truth = |name: &str| -> Result<f64, Failure> {
+        let signal = recording.signals.iter().find(|signal| signal.name == name);
+        Ok(signal.ok_or("no force")?.values[place])
+    };
+    let row = |what: &str, measured: f64, truth: f64| {
+        Row::difference(
+            format!("film of beads with noise under a simulated cell, its peak: {what}"),
+            "the cell that it was made from",
+            measured / truth - 1.0,
+            0.1,
+            "of it",
+            "squares of 5.2 um; the shortest wave that the map resolves is 7.1 um",
+        )
+    };
+    Ok(vec![
+        row("axial force", frame.axial_force_nn, truth(AXIAL_FORCE)?),
+        row("contractile moment", frame.contractile_moment_fj, truth(CONTRACTILE_MOMENT)?),
     ])
 }

@@ -22,6 +22,9 @@ struct About {
     /// Place of the pixel in the lower left corner, um.
     first_pixel_um: [f64; 2],
     gel: Gel,
+    /// Where a file says which nodes adhere, within those that the gel names.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    adhesion_of_nodes: Option<&'static str>,
     u: &'static str,
     v: &'static str,
 }
@@ -85,6 +88,7 @@ pub(super) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Expe
         pixel_size_um: spacing,
         first_pixel_um: origin,
         gel,
+        adhesion_of_nodes: simulation.adhesion.as_ref().map(|_| "column `adhesion` of tractions.csv"),
         u: "displacement of the gel to the right, pixels; rows from the top",
         v: "displacement of the gel downward, pixels; rows from the top",
     };
