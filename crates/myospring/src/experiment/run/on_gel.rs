@@ -88,7 +88,10 @@ pub(super) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Expe
         pixel_size_um: spacing,
         first_pixel_um: origin,
         gel,
-        adhesion_of_nodes: simulation.adhesion.as_ref().map(|_| "column `adhesion` of tractions.csv"),
+        adhesion_of_nodes: simulation
+            .adhesion
+            .as_ref()
+            .map(|_| "column `adhesion` of tractions.csv"),
         u: "displacement of the gel to the right, pixels; rows from the top",
         v: "displacement of the gel downward, pixels; rows from the top",
     };
