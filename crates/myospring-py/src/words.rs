@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 /// Options of the program that are no settings: name, argument here, and words that may follow as a value. Those of an
 /// empty argument have no counterpart: what they say is done by arrays.
-const OF_TABLES: [(&str, &str, &[&str]); 36] = [
+const OF_TABLES: [(&str, &str, &[&str]); 37] = [
     ("--columns", "columns", &[]),
     ("--time", "time", &[]),
     ("--kind", "kind", &["contraction"]),
@@ -29,6 +29,7 @@ const OF_TABLES: [(&str, &str, &[&str]); 36] = [
     ("--fix", "fix", &[]),
     ("--bounds", "bounds", &[]),
     ("--loaded", "loaded", &[]),
+    ("--reference", "reference", &[]),
     ("--traction-error", "traction_error", &[]),
     ("--traction", "traction", &[]),
     ("--peak-shortening", "peak_shortening_pct", &[]),
