@@ -144,7 +144,7 @@ pub struct GelMotion {
     pub interpolated: Vec<Vec<bool>>,
     /// Median zero-normalised correlation of the points that were found, by frame.
     pub correlation: Vec<Option<f64>>,
-    /// Median standard error of a point's displacement, um: what is left between squares that were matched counts as noise.
+    /// Median standard error of a point's displacement, um. The residual grey values of matched squares count as noise.
     pub error_um: Option<f64>,
     /// Side of the squares that were matched, um.
     pub subset_um: f64,
@@ -265,7 +265,7 @@ pub fn follow_beads(
     let displacements = displacements.map(|(moved, stage)| {
         [0, 1].map(|axis: usize| moved[axis].iter().map(|value| value + stage[axis]).collect())
     });
-    // What is left between the pictures, as the noise of single pixels that it stands for: that of the ground may be less.
+    // Noise of a pixel, from the residual of matched squares: bright beads are noisier than the ground.
     let others = (0..motion.frames.len()).filter(|&at| motion.frames[at] != motion.rest);
     let matched =
         order::median(others.filter_map(|at| motion.correlation[at]).collect::<Vec<f64>>());

@@ -23,7 +23,7 @@ pub struct Followed {
     pub subset_um: f64,
     /// Mean distance of beads, um.
     pub bead_distance_um: f64,
-    /// Standard error of a displacement, um, from what is left between matched squares.
+    /// Standard error of a displacement, um, from the residual grey values of matched squares.
     pub displacement_error_um: Option<f64>,
     /// Median correlation of the squares that were found, over frames.
     pub correlation: Option<f64>,
