@@ -54,6 +54,7 @@ mod settings;
 mod simplest;
 mod slopes;
 mod stretch_dependent;
+mod support_load;
 mod sure;
 mod table;
 mod unknown;

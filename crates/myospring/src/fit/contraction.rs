@@ -1,9 +1,9 @@
 //! From unknowns to curves of shortening.
 
 use super::error::FitError;
-use super::inverse::Inverse;
 use super::least_squares::Column;
 use super::stretch_dependent::StretchDependent;
+use super::support_load::SupportLoad;
 use super::table::{Shelf, Tables};
 use super::unknown::{Physics, Unknown};
 use crate::cell::CellModel;
@@ -108,28 +108,14 @@ impl Contraction {
         }
     }
 
-    /// What the cell does to its support at these shortenings, by name ([`TensionResponse::load`]), and its derivatives by the shortening;
+    /// What the cell does to its support up to a shortening, by name ([`TensionResponse::load`](crate::simulation::equilibria::TensionResponse::load));
     /// `None` if the support has no such load.
-    ///
-    /// In equilibrium both follow from the tension that shapes the cell, so one follows from the other.
-    pub(super) fn load(
-        &self,
-        name: &str,
-        physics: &Physics<'_>,
-        shortening: &[f64],
-    ) -> Option<Vec<[f64; 2]>> {
+    pub(super) fn load(&self, name: &str, stiffness: f64, most: f64) -> Option<SupportLoad> {
         let tables = match self {
             Self::FollowsPotential { tables, .. } => tables,
             Self::StretchDependent(cell) => cell.tables(),
         };
-        let response = tables.at(physics.stiffness);
-        let inverse = Inverse::of(&response);
-        let load = |shortening: &f64| {
-            let tension = inverse.at(*shortening);
-            let [load, slope] = response.load(name, tension)?;
-            Some([load, slope / response.shortening(tension)[1]])
-        };
-        shortening.iter().map(load).collect()
+        SupportLoad::new(&tables.at(stiffness), name, most)
     }
 
     /// Whether computing curves of these unknowns takes most of the time of a fit.

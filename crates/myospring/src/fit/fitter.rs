@@ -361,8 +361,7 @@ impl Fitter {
         let up_to = (MARGIN * up_to).clamp(0.02, 0.8);
         let contraction = Contraction::new(&simulation, unknowns, &train, up_to, &self.shelf)?;
         if let Scale::Load(load) = observed.scale {
-            let still = Physics { tension: 1.0, stiffness: 1.0, parameters: &[] };
-            if contraction.load(load, &still, &[0.0]).is_none() {
+            if contraction.load(load, 1.0, 0.0).is_none() {
                 return Err(FitError::NoLoad { name: observed.name, load });
             }
         }

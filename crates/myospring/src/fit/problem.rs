@@ -193,8 +193,10 @@ impl Layout {
         };
         let mut parameters = Vec::new();
         let physics = self.physics(at, &mut parameters);
-        let load = source.contraction.load(name, &physics, &values)?;
-        let (values, by_shortening) = load.into_iter().map(|[load, by]| (load, by)).unzip();
+        let most = values.iter().copied().fold(0.0, f64::max);
+        let load = source.contraction.load(name, physics.stiffness, most)?;
+        let at = values.into_iter().map(|shortening| load.at(shortening));
+        let (values, by_shortening) = at.map(|[load, by]| (load, by)).unzip();
         Some(Response { values, by_shortening: Some(by_shortening) })
     }
 

@@ -89,44 +89,50 @@ impl Tables {
     /// The equilibria of a cell of another stiffness, given as a factor, by Lagrange's cubic in the
     /// logarithm of the stiffness, at equal tension over stiffness.
     pub(super) fn at(&self, stiffness: f64) -> AtStiffness<'_> {
-        AtStiffness { by_stiffness: &self.by_stiffness, stiffness }
+        let middle = &self.by_stiffness[self.by_stiffness.len() / 2];
+        if self.by_stiffness.len() == 1 {
+            let part = Part { equilibria: middle, weight: 1.0, factor: 1.0 };
+            return AtStiffness { middle, parts: vec![part], stiffness };
+        }
+        let place = f64::midpoint(stiffness.ln() / STIFFEST.ln(), 1.0) * (STIFFNESSES - 1) as f64;
+        let first = (place as usize).saturating_sub(1).min(STIFFNESSES - 4);
+        let part = |k: usize| {
+            let others = (first..first + 4).filter(|j| *j != k);
+            let weight = others.map(|j| (place - j as f64) / (k as f64 - j as f64)).product();
+            Part { equilibria: &self.by_stiffness[k], weight, factor: factor(k) }
+        };
+        AtStiffness { middle, parts: (first..first + 4).map(part).collect(), stiffness }
     }
 }
 
 /// Equilibria of a cell of another stiffness than the run's.
 pub(super) struct AtStiffness<'a> {
-    by_stiffness: &'a [Equilibria],
+    /// The equilibria of the run's stiffness.
+    middle: &'a Equilibria,
+    parts: Vec<Part<'a>>,
     stiffness: f64,
 }
 
-impl AtStiffness<'_> {
-    /// The equilibria of the run's stiffness.
-    fn middle(&self) -> &Equilibria {
-        &self.by_stiffness[self.by_stiffness.len() / 2]
-    }
+/// The equilibria of one of the stiffnesses between which others are found.
+struct Part<'a> {
+    equilibria: &'a Equilibria,
+    weight: f64,
+    factor: f64,
+}
 
+impl AtStiffness<'_> {
     /// A quantity and its derivative by the tension, from those of the tables at equal tension over stiffness.
     fn interpolated(
         &self,
         tension: f64,
         of: impl Fn(&Equilibria, f64) -> Option<[f64; 2]>,
     ) -> Option<[f64; 2]> {
-        let stiffness = self.stiffness;
-        let ratio = tension / stiffness;
-        if let [equilibria] = self.by_stiffness {
-            let [value, slope] = of(equilibria, ratio)?;
-            return Some([value, slope / stiffness]);
-        }
-        let part = f64::midpoint(stiffness.ln() / STIFFEST.ln(), 1.0);
-        let place = part * (STIFFNESSES - 1) as f64;
-        let first = (place as usize).saturating_sub(1).min(STIFFNESSES - 4);
+        let ratio = tension / self.stiffness;
         let mut sum = [0.0; 2];
-        for k in first..first + 4 {
-            let others = (first..first + 4).filter(|j| *j != k);
-            let weight: f64 = others.map(|j| (place - j as f64) / (k as f64 - j as f64)).product();
-            let [value, slope] = of(&self.by_stiffness[k], ratio * factor(k))?;
+        for Part { equilibria, weight, factor } in &self.parts {
+            let [value, slope] = of(equilibria, ratio * factor)?;
             sum[0] += weight * value;
-            sum[1] += weight * slope * factor(k) / stiffness;
+            sum[1] += weight * slope * factor / self.stiffness;
         }
         Some(sum)
     }
@@ -139,15 +145,15 @@ impl TensionResponse for AtStiffness<'_> {
     }
 
     fn steepest(&self) -> f64 {
-        self.middle().steepest() / self.stiffness
+        self.middle.steepest() / self.stiffness
     }
 
     fn highest(&self) -> f64 {
-        self.middle().highest() * self.stiffness
+        self.middle.highest() * self.stiffness
     }
 
     fn stretch(&self, shortening: f64) -> f64 {
-        self.middle().stretch(shortening)
+        self.middle.stretch(shortening)
     }
 
     fn load(&self, name: &str, tension: f64) -> Option<[f64; 2]> {
