@@ -10,6 +10,7 @@
 //! | [`area`] | area preservation | `coelho_2021`, Eqs (12)-(13), and an energy |
 //! | [`volume`] | the same energy for areas and volumes of any groups of simplices | |
 //! | [`active`] | active tension along the fibre or at the ends | `coelho_2021`, section 3 |
+//! | [`fibre_stiffness`] | stiffness along the fibre | |
 //! | [`drag`] | viscous drag | `coelho_2021`, Eq. (10) |
 //! | [`support`] | what holds the cell | `coelho_2021`, section 2.1 |
 //! | [`anchor`] | elastic supports: elastic bed, spring-held ends | `edwards_schwarz_2011` |
@@ -25,6 +26,7 @@ pub mod area;
 mod body;
 pub mod compliance;
 pub mod drag;
+pub mod fibre_stiffness;
 mod force;
 pub mod gel;
 pub mod lattice_law;

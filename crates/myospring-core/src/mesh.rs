@@ -13,18 +13,23 @@
 //! Lengths are micrometres, x to the right and **y upward**. Pictures have row 0 on top; their rows
 //! are flipped when they are read, so that a cell has the same orientation as in the picture.
 
-pub mod bar;
 pub mod built_in;
 pub mod carried;
 mod coverage;
+pub mod cubes;
 pub mod ends;
 pub mod lattice;
 pub mod mask;
 pub mod outline;
 pub mod pixel_size;
+mod place;
+pub mod profile;
 pub mod quality;
 mod selection;
 pub mod simplex;
+pub mod thick;
+
+pub use place::Place;
 
 /// Direction class of a lattice spring; it determines its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -267,6 +272,20 @@ impl<const D: usize, const N: usize> Mesh<D, N> {
         std::array::from_fn(|axis| {
             self.points[axis].iter().zip(&self.areas).map(|(x, a)| x * a).sum::<f64>() / area
         })
+    }
+
+    /// The nodes by which the cell lies on what is below it, in ascending order, and the area of each, um^2: all of a flat one; of a
+    /// thick one those of the lowest layer of its lattice.
+    pub fn underside(&self) -> Vec<(usize, f64)> {
+        let Some(lattice) = self.lattice.as_ref().filter(|_| D > 2) else {
+            return self.areas.iter().copied().enumerate().collect();
+        };
+        let layer = |node: usize| lattice.cells[node].last();
+        let least = (0..self.len()).map(layer).min().flatten();
+        let lowest = |node: &usize| layer(*node) == least;
+        // The part of a node's volume that is above its lowest face is half a spacing high.
+        let area = |node: usize| (node, self.areas[node] / (0.5 * lattice.spacing));
+        (0..self.len()).filter(lowest).map(area).collect()
     }
 
     /// Centre of one triangle (with three axes a tetrahedron) at rest, um: the mean of its corners.

@@ -87,6 +87,18 @@ pub const CONTRACTILE_MOMENT: &str = "contractile_moment";
 /// Name of the signal of the elastic energy of the gel, fJ.
 pub const GEL_ENERGY: &str = "gel_energy";
 
+/// Name of the signal of the mean thickness of a thick cell, um.
+pub const THICKNESS: &str = "thickness";
+
+/// Name of the signal of the volume of a thick cell, um^3.
+pub const VOLUME: &str = "volume";
+
+/// Name of the signal of the length of the upper face of a thick cell, um.
+pub const LENGTH_TOP: &str = "length_top";
+
+/// Name of the signal of the length of the lower face of a thick cell, um.
+pub const LENGTH_BOTTOM: &str = "length_bottom";
+
 /// Name of the signal of free cytosolic calcium, uM.
 pub const CALCIUM: &str = "Ca_i";
 
@@ -122,8 +134,11 @@ pub struct Frame<const D: usize = 2> {
 pub struct Recording<const D: usize = 2> {
     /// Time series, in order of time.
     pub samples: Vec<Sample>,
-    /// Shapes, in order of time.
+    /// Shapes, in order of time; of a thick cell as it is seen from above.
     pub frames: Vec<Frame<D>>,
+    /// Of a thick cell, the positions of all its points in each of these frames, um: `in_space[frame][axis][node]`; empty of a flat
+    /// one.
+    pub in_space: Vec<[Vec<f64>; 3]>,
     /// Further outputs of the cell model; empty for most models.
     pub signals: Vec<Signal>,
 }
@@ -131,6 +146,11 @@ pub struct Recording<const D: usize = 2> {
 impl<const D: usize> Default for Recording<D> {
     /// An empty recording.
     fn default() -> Self {
-        Self { samples: Vec::new(), frames: Vec::new(), signals: Vec::new() }
+        Self {
+            samples: Vec::new(),
+            frames: Vec::new(),
+            in_space: Vec::new(),
+            signals: Vec::new(),
+        }
     }
 }

@@ -42,8 +42,10 @@ mod ready;
 mod setup;
 mod shared;
 mod shared_cell;
+mod space;
 mod stop;
 mod strain;
+mod thickness;
 mod train;
 
 pub use beats::Beating;
@@ -55,7 +57,7 @@ pub use observer::{Progress, RunObserver, RunPart};
 pub use outcome::{Effort, Outcome};
 pub use pace::Pace;
 pub use quasi_static::PreparedPath;
-pub use ready::Ready;
+pub use ready::{Motion, Ready};
 pub use shared::SharedPath;
 pub use stop::{SetupError, StopReason};
 pub use strain::MOST_STRAIN;
@@ -74,6 +76,7 @@ use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::material::{Material, default_material};
 use crate::mechanics::support::SupportKind;
 use crate::mechanics::{Body, System};
+use crate::mesh::thick::Thick;
 use crate::mesh::{Mesh, quality};
 use serde::Serialize;
 use std::sync::Arc;
@@ -166,8 +169,12 @@ pub struct Simulation {
     /// Source of the tension instead of the cell model, in its state at 0 ms; cell model, protocol
     /// and peak tension are then not used.
     pub activation: Option<Box<dyn Activation>>,
-    /// The mesh at rest.
+    /// The mesh at rest; of a thick cell, as it is seen from above.
     pub mesh: Mesh,
+    /// Its thickness above that mesh; `None` for a flat cell.
+    pub thick: Option<Arc<Thick>>,
+    /// Angle by which the fibres of a thick cell turn from its lowest to its highest point, rad, counter-clockwise as seen from above.
+    pub helix_angle: f64,
     /// Its long axis, a unit vector: length is measured along it.
     pub long_axis: [f64; 2],
     /// Fibre direction in each triangle, unit vectors.
@@ -229,6 +236,8 @@ impl Simulation {
             resting_stretch: None,
             wave_speed: None,
             mesh,
+            thick: None,
+            helix_angle: 0.0,
             material: default_material(),
             active: ActiveLaw::Fibre,
             support: SupportKind::MassCentre,

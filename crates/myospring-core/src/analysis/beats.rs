@@ -163,7 +163,7 @@ pub fn known(in_mv: bool) -> Vec<Metric> {
     let signal = |name: &str| Signal { name: name.into(), unit: String::new(), values: vec![0.0] };
     let held = [END_FORCE, TRACTION_FORCE, AXIAL_FORCE, CONTRACTILE_MOMENT, GEL_ENERGY];
     let signals = held.map(signal).to_vec();
-    let recording = Recording { samples: vec![still], signals, frames: Vec::new() };
+    let recording = Recording { samples: vec![still], signals, ..Recording::default() };
     let Beats { list, energy, .. } = Beats::of(&recording, &[0.0], None);
     let of_beat = list.iter().flat_map(Beat::metrics).cloned();
     of_beat

@@ -44,6 +44,7 @@ use crate::interruption::Interruption;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
 use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
+use crate::mesh::Place;
 use equilibrium::{Failure, Rest, Solver, largest};
 use shapes::{Knot, interpolate};
 use std::ops::Deref;
@@ -241,10 +242,9 @@ impl<'a, const D: usize> Path<'a, D> {
             };
             if let Some(failure) = failure {
                 let Knot { tension, positions, .. } = self.last(side).clone();
-                let place = self.solver.softest_node(&positions, tension.into()).map(|node| {
-                    let [x, y] = [0, 1].map(|axis| positions[axis][node]);
-                    WeakPlace { node, x, y }
-                });
+                let softest = self.solver.softest_node(&positions, tension.into());
+                let place = softest
+                    .map(|node| WeakPlace { node, place: Place::of(&positions, node) });
                 let tensions = [tension, tension + direction * step];
                 return Err(ending(failure, self.solver.body(), tensions, place));
             }

@@ -115,9 +115,14 @@ impl<const D: usize, const N: usize> FibreStretch<D, N> {
         self.nodes.is_empty()
     }
 
+    /// The corners of a triangle, and `grad N_i . f0` of each, 1/um.
+    pub(super) fn element(&self, element: usize) -> ([u32; N], [f64; N]) {
+        (self.nodes[element], self.along[element])
+    }
+
     /// The fibre's unit vector, rotated and stretched with the triangle, `F f0`; for velocities,
     /// its rate.
-    fn fibre(&self, element: usize, vectors: &Vectors<D>) -> [f64; D] {
+    pub(super) fn fibre(&self, element: usize, vectors: &Vectors<D>) -> [f64; D] {
         let (nodes, along) = (self.nodes[element], self.along[element]);
         let first = nodes[0] as usize;
         from_fn(|axis| {

@@ -43,7 +43,7 @@ pub struct Anchors<const D: usize = 2> {
 }
 
 impl<const D: usize> Anchors<D> {
-    /// An elastic bed of this stiffness (kPa/um) under the whole mesh.
+    /// An elastic bed of this stiffness (kPa/um) under the whole mesh; under the lowest face of one with three axes.
     ///
     /// # Example
     /// ```
@@ -58,7 +58,12 @@ impl<const D: usize> Anchors<D> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn elastic_bed<const N: usize>(mesh: &Mesh<D, N>, stiffness: f64) -> Self {
-        Self::new("elastic bed", mesh, 0..mesh.len(), |area| stiffness * area)
+        let anchor = |(node, area): (usize, f64)| Anchor {
+            node,
+            place: mesh.point(node),
+            stiffness: stiffness * area,
+        };
+        Self { name: "elastic bed", springs: mesh.underside().into_iter().map(anchor).collect() }
     }
 
     /// Springs of this stiffness (nN/um) at either end of a mesh whose long axis is the unit vector

@@ -115,6 +115,39 @@ pub enum LatticeError {
         /// Largest error, per cent.
         bound: f64,
     },
+    /// The thickness is not a positive number.
+    #[error("a thickness of {thickness} um is not a positive length")]
+    Thickness {
+        /// The given thickness, um.
+        thickness: f64,
+    },
+    /// Not a single cube across the thickness.
+    #[error(
+        "spacing {spacing} um exceeds the cell's thickness of {thickness} um; give less, or leave it out for {default} um"
+    )]
+    TooThin {
+        /// The given spacing, um.
+        spacing: f64,
+        /// The greatest thickness, um.
+        thickness: f64,
+        /// The default spacing of this cell, um.
+        default: f64,
+    },
+    /// The cubes are too coarse for the cell's shape.
+    #[error(
+        "spacing {spacing} um is too coarse for this shape: the mesh has {volume:.1} um^3 where the cell has {source_volume:.1} um^3, off \
+         by more than {bound} %; give less"
+    )]
+    VolumeLost {
+        /// Spacing, um.
+        spacing: f64,
+        /// Volume of the mesh, um^3.
+        volume: f64,
+        /// Volume of the cell, um^3.
+        source_volume: f64,
+        /// Largest error, per cent.
+        bound: f64,
+    },
     /// The squares are not a valid mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -158,13 +191,21 @@ pub fn default_spacing(area_um2: f64, masses: usize) -> f64 {
 /// assert!(report.area_error_pct.abs() < 1.0);
 /// ```
 pub fn from_mask(mask: &Mask, spacing: Option<f64>) -> Result<(Mesh, MeshReport), LatticeError> {
+    of_largest_part(mask, |cell| fill(cell, spacing))
+}
+
+/// Fills the largest island of a mask; the report says what else there was.
+pub(super) fn of_largest_part<T>(
+    mask: &Mask,
+    fill: impl FnOnce(&Mask) -> Result<(T, MeshReport), LatticeError>,
+) -> Result<(T, MeshReport), LatticeError> {
     let (cell, dropped) = mask.largest_part();
     let pixels = cell.cell_pixels();
     if pixels < FEWEST_PIXELS {
         let (area, bound) = (cell.area_um2(), FEWEST_PIXELS);
         return Err(LatticeError::TooSmall { pixels, area, bound });
     }
-    let (mesh, mut report) = fill(&cell, spacing)?;
+    let (mesh, mut report) = fill(&cell)?;
     report.dropped_components = dropped.components;
     report.dropped_pixels = dropped.pixels;
     report.touches_frame = cell.touches_frame();
@@ -249,7 +290,7 @@ fn fill(source: &impl Source, spacing: Option<f64>) -> Result<(Mesh, MeshReport)
     let spacing = check_spacing(&shape, spacing)?;
     let grid = cover(&shape, spacing);
     let target = shape.area / (spacing * spacing);
-    let choice = choose(&source.coverage(&grid), &grid, target);
+    let choice = choose(&source.coverage(&grid), [grid.columns, grid.rows, 1], target);
     let area = choice.count as f64 * spacing * spacing;
     let area_error_pct = 100.0 * (area - shape.area) / shape.area;
     if area_error_pct.abs() > AREA_BOUND_PCT {
@@ -274,6 +315,7 @@ fn fill(source: &impl Source, spacing: Option<f64>) -> Result<(Mesh, MeshReport)
         source_area_um2: shape.area,
         area_error_pct,
         dimensions: dimensions(&mesh),
+        thick: None,
         dropped_pixels: 0,
         dropped_components: 0,
         dropped_squares: choice.dropped,
@@ -306,7 +348,7 @@ fn check_spacing(shape: &Shape, spacing: Option<f64>) -> Result<f64, LatticeErro
 }
 
 /// The block of squares, centred on the bounding box, that covers a cell.
-fn cover(shape: &Shape, spacing: f64) -> Grid {
+pub(super) fn cover(shape: &Shape, spacing: f64) -> Grid {
     let [low, high] = shape.bounds;
     // A width of a whole number of squares, except for rounding, needs no additional square.
     let count = |axis: usize| ((high[axis] - low[axis]) / spacing - 1e-6).ceil().max(1.0);
@@ -317,7 +359,7 @@ fn cover(shape: &Shape, spacing: f64) -> Grid {
 }
 
 /// Nodes, springs and triangles of filled squares, in the guaranteed order.
-fn from_squares(grid: &Grid, filled: &[bool]) -> Result<Mesh, MeshError> {
+pub(super) fn from_squares(grid: &Grid, filled: &[bool]) -> Result<Mesh, MeshError> {
     const NONE: u32 = u32::MAX;
     let (columns, rows, h) = (grid.columns, grid.rows, grid.spacing);
     // Square (i, j), which may lie outside the block.

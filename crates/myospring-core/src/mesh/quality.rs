@@ -148,6 +148,9 @@ pub struct MeshReport {
     /// Length, width and long axis.
     #[serde(flatten)]
     pub dimensions: Dimensions,
+    /// Thickness of a thick cell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thick: Option<ThickReport>,
     /// Number of pixels of other islands, which were left out.
     pub dropped_pixels: usize,
     /// Number of other islands, which were left out.
@@ -158,6 +161,40 @@ pub struct MeshReport {
     pub touches_frame: bool,
     /// Warnings; empty if nothing is unusual.
     pub warnings: Vec<String>,
+}
+
+/// What a mesh says of the thickness of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ThickReport {
+    /// Number of cubes.
+    pub cubes: usize,
+    /// Cubes across the thickness, where it is greatest.
+    pub layers: usize,
+    /// Their height, um.
+    pub thickness_um: f64,
+    /// Volume of the mesh, um^3.
+    pub volume_um3: f64,
+    /// Volume of the cell, um^3.
+    pub source_volume_um3: f64,
+    /// Deviation of the first from the second, per cent.
+    pub volume_error_pct: f64,
+    /// Number of cubes left out because no face connects them to the rest.
+    pub dropped_cubes: usize,
+}
+
+impl ThickReport {
+    fn rows(&self) -> [ReportRow; 7] {
+        let Self { cubes, layers, thickness_um, .. } = self;
+        [
+            ("cubes", cubes.to_string(), ""),
+            ("cubes in thickness", layers.to_string(), ""),
+            ("thickness, greatest", format!("{thickness_um:.2}"), "um"),
+            ("volume", format!("{:.1}", self.volume_um3), "um^3"),
+            ("volume of the source", format!("{:.1}", self.source_volume_um3), "um^3"),
+            ("volume error", format!("{:+.2}", self.volume_error_pct + 0.0), "%"),
+            ("dropped cubes", self.dropped_cubes.to_string(), ""),
+        ]
+    }
 }
 
 /// A line of a report: name, value, unit.
@@ -217,9 +254,10 @@ impl fmt::Display for MeshReport {
             ("dropped squares", self.dropped_squares.to_string(), ""),
             ("touches the frame", if self.touches_frame { "yes" } else { "no" }.to_owned(), ""),
         ];
+        let thick = self.thick.iter().flat_map(ThickReport::rows);
         write_report(
             out,
-            before.into_iter().chain(self.dimensions.rows()).chain(after),
+            before.into_iter().chain(self.dimensions.rows()).chain(thick).chain(after),
             &self.warnings,
         )
     }

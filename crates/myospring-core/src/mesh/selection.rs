@@ -1,8 +1,6 @@
-//! Chooses the lattice squares of the mesh: the most covered connected ones.
+//! Chooses the lattice squares or cubes of the mesh: the most covered connected ones. Squares are one layer of cubes.
 
 use std::ops::RangeInclusive;
-
-use super::coverage::Grid;
 
 /// A rule for the cut: which neighbours in the order count as equal, the range of coverage (in
 /// millionths), and the accepted area error.
@@ -27,13 +25,13 @@ pub(super) struct Choice {
 /// their distance from the centre: the outermost row of such a side (more than half covered, since
 /// the lattice is centred on the cell) loses its ends. If the area is still off by almost 1 %, in a
 /// mesh of about a hundred squares, each square is decided separately.
-pub(super) fn choose(coverage: &[f64], grid: &Grid, target: f64) -> Choice {
+pub(super) fn choose(coverage: &[f64], shape: [usize; 3], target: f64) -> Choice {
     // Coverage in steps of 1e-6, so that rounding does not distinguish equal squares.
     let level = |square: u32| (coverage[square as usize] * 1e6).round() as i64;
     let distance = |square: u32| {
-        let (i, j) = (square as usize % grid.columns, square as usize / grid.columns);
         let along = |at: usize, count: usize| (2 * at + 1).abs_diff(count).pow(2);
-        along(i, grid.columns) + along(j, grid.rows)
+        let at = place(square as usize, shape);
+        (0..3).map(|axis| along(at[axis], shape[axis])).sum::<usize>()
     };
     let mut order: Vec<u32> =
         (0..coverage.len() as u32).filter(|&square| level(square) >= 300_000).collect();
@@ -49,14 +47,14 @@ pub(super) fn choose(coverage: &[f64], grid: &Grid, target: f64) -> Choice {
     let off = |choice: &Choice| (choice.count as f64 - target).abs();
     let mut best: Option<Choice> = None;
     for (equal, range, content) in rules {
-        let choice = best_cut(&order, grid, target, &cuts(&levels, &range, equal));
+        let choice = best_cut(&order, shape, target, &cuts(&levels, &range, equal));
         let better = best.as_ref().is_none_or(|best| off(&choice) < off(best));
         best = if better { Some(choice) } else { best };
         if best.as_ref().is_some_and(|best| off(best) <= content * target) {
             break;
         }
     }
-    best.unwrap_or_else(|| largest_piece(&order, grid))
+    best.unwrap_or_else(|| largest_piece(&order, shape))
 }
 
 /// Possible numbers of kept squares in the order: ends of classes of equal squares; all squares
@@ -80,8 +78,8 @@ fn cuts(
 
 /// The cut whose largest piece is nearest to `target`; adding squares never makes the piece
 /// smaller.
-fn best_cut(order: &[u32], grid: &Grid, target: f64, cuts: &[usize]) -> Choice {
-    let at = |cut: usize| largest_piece(&order[..cut], grid);
+fn best_cut(order: &[u32], shape: [usize; 3], target: f64, cuts: &[usize]) -> Choice {
+    let at = |cut: usize| largest_piece(&order[..cut], shape);
     let enough = cuts.partition_point(|&cut| (at(cut).count as f64) < target);
     let [above, below] = [cuts.get(enough), cuts[..enough].last()].map(|cut| cut.map(|&n| at(n)));
     match (below, above) {
@@ -94,12 +92,17 @@ fn best_cut(order: &[u32], grid: &Grid, target: f64, cuts: &[usize]) -> Choice {
     }
 }
 
-/// The largest piece of squares joined by their sides; of equal ones the lowest.
-fn largest_piece(squares: &[u32], grid: &Grid) -> Choice {
+/// Column, row and layer.
+fn place(square: usize, [columns, rows, _]: [usize; 3]) -> [usize; 3] {
+    [square % columns, square / columns % rows, square / (columns * rows)]
+}
+
+/// The largest piece of squares joined by their sides, or of cubes joined by their faces; of equal ones the lowest.
+fn largest_piece(squares: &[u32], shape: [usize; 3]) -> Choice {
     const OUT: u32 = 0;
     const NEW: u32 = 1;
-    let (columns, rows) = (grid.columns, grid.rows);
-    let mut piece = vec![OUT; columns * rows];
+    let [columns, rows, layers] = shape;
+    let mut piece = vec![OUT; columns * rows * layers];
     for &square in squares {
         piece[square as usize] = NEW;
     }
@@ -115,7 +118,7 @@ fn largest_piece(squares: &[u32], grid: &Grid) -> Choice {
         stack.push(start);
         while let Some(square) = stack.pop() {
             size += 1;
-            let (i, j) = (square % columns, square / columns);
+            let [i, j, k] = place(square, shape);
             let mut visit = |other: usize| {
                 if piece[other] == NEW {
                     piece[other] = name;
@@ -133,6 +136,12 @@ fn largest_piece(squares: &[u32], grid: &Grid) -> Choice {
             }
             if j + 1 < rows {
                 visit(square + columns);
+            }
+            if k > 0 {
+                visit(square - columns * rows);
+            }
+            if k + 1 < layers {
+                visit(square + columns * rows);
             }
         }
         if size > best_size {

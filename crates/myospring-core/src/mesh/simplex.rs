@@ -67,6 +67,37 @@ pub fn measure_gradients<const D: usize, const N: usize>(corners: &[[f64; D]; N]
     gradients
 }
 
+/// Second derivatives of the measure, dimensionless or um: `curvature[a][b][i][j]` is that with respect to coordinate `i` of
+/// corner `a` and `j` of corner `b`. The measure is linear in each corner, so those of one corner are 0.
+pub fn measure_curvature<const D: usize, const N: usize>(
+    corners: &[[f64; D]; N],
+) -> [[[[f64; D]; D]; N]; N] {
+    const { assert!(N == D + 1 && (D == 2 || D == 3), "triangles and tetrahedra") };
+    let mut curvature = [[[[0.0; D]; D]; N]; N];
+    // Of a tetrahedron: d(dV/dx_a)/dx_b = +-[x_c - x_d]x/6 with the matrix [q]x of the product q x, that is
+    // [q]x_ij = -sum_k e_ijk q_k. Of a triangle: d(dA/dx_a)/dx_b = +-e_ij/2, with + from each corner to the next.
+    let mut both = |a: usize, b: usize, i: usize, j: usize, value: f64| {
+        curvature[a][b][i][j] = value;
+        curvature[b][a][j][i] = value;
+    };
+    if D == 2 {
+        for a in 0..3 {
+            both(a, (a + 1) % 3, 0, 1, 0.5);
+            both(a, (a + 1) % 3, 1, 0, -0.5);
+        }
+        return curvature;
+    }
+    for [a, b, c, d] in [[1, 2, 0, 3], [3, 1, 0, 2], [2, 3, 0, 1], [1, 0, 3, 2], [2, 0, 1, 3], [3, 0, 2, 1]] {
+        for k in 0..3 {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let part = (corners[c][k] - corners[d][k]) / 6.0;
+            both(a, b, j, i, part);
+            both(a, b, i, j, -part);
+        }
+    }
+    curvature
+}
+
 /// `(a - origin) x (b - origin)`, of three axes.
 fn cross<const D: usize>(origin: &[f64; D], a: &[f64; D], b: &[f64; D]) -> [f64; 3] {
     let [a, b] = [a, b].map(|end| [0, 1, 2].map(|axis| end[axis] - origin[axis]));
@@ -95,6 +126,31 @@ mod tests {
             let sum: f64 = gradients.iter().map(|gradient| gradient[axis]).sum();
             assert!(sum.abs() < 1e-15, "a shift changes the measure by {sum}");
         }
+    }
+
+    fn curvature_agrees<const D: usize, const N: usize>(corners: [[f64; D]; N]) {
+        let curvature = measure_curvature(&corners);
+        let base = measure_gradients(&corners);
+        for b in 0..N {
+            for j in 0..D {
+                let mut moved = corners;
+                moved[b][j] += 1.0;
+                let there = measure_gradients(&moved);
+                for a in (0..N).filter(|a| *a != b) {
+                    for i in 0..D {
+                        let slope = there[a][i] - base[a][i];
+                        let found = curvature[a][b][i][j];
+                        assert!((found - slope).abs() < 1e-14, "{a} {b} {i} {j}: {found}, {slope}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn curvatures_of_area_and_volume_are_the_derivatives_of_gradients() {
+        curvature_agrees([[0.1, 0.3], [1.2, 0.2], [0.4, 0.9]]);
+        curvature_agrees([[0.1, 0.3, -0.2], [1.2, 0.2, 0.1], [0.4, 0.9, 0.0], [0.2, 0.1, 1.1]]);
     }
 
     #[test]

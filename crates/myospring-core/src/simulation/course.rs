@@ -2,7 +2,8 @@
 
 use super::coupler::{Coupler, Shaping};
 use super::observer::{Progress, RunObserver, RunPart};
-use super::setup::{Assembly, Setup};
+use super::setup::Setup;
+use super::space::Space;
 use super::{Simulation, StopReason};
 use crate::cell::Output;
 use crate::exchange::Activation;
@@ -25,44 +26,49 @@ pub(super) struct Observed {
     pub(super) gauges: Vec<f64>,
 }
 
+/// A shape as it is seen from above, and in space if it is thick.
+type Shown = (Frame, Option<Vectors<3>>);
+
 /// A shape that can be recorded.
-pub(super) trait Observable: Shaping {
+pub(super) trait Observable<const D: usize>: Shaping {
     /// The recorded quantities now.
     fn observe(&self) -> Observed;
     /// Positions now, um.
-    fn positions(&self) -> Vectors;
+    fn positions(&self) -> Vectors<D>;
     /// The forces of the nodes that adhere to a body outside, nN, if they are known already.
-    fn pulls(&self) -> Option<Vectors> {
+    fn pulls(&self) -> Option<Vectors<D>> {
         None
     }
 }
 
-impl Setup {
+impl<const D: usize, const N: usize> Setup<D, N>
+where
+    Simulation: Space<D, N>,
+{
     fn coupler(&self) -> Coupler<'_> {
         let every = self.simulation.numerics.exchange_interval;
         Coupler::new(self.activation.boxed(), self.strongest, every, &self.volumes)
     }
 
     /// The force of each node on the gel, nN, if the cell adheres to one.
-    fn on_gel(&self, shaping: &impl Observable) -> Option<Vectors> {
+    fn on_gel(&self, shaping: &impl Observable<D>) -> Option<Vectors> {
         let gel = self.assembly.system.compliance()?;
         let pulls = shaping.pulls();
         let pulls = pulls.unwrap_or_else(|| gel.forces(&gel.displacements(&shaping.positions())));
-        let mut all = zeros(self.simulation.mesh.len());
+        let mut all = zeros(self.assembly.body.len());
         for (all, pulls) in all.iter_mut().zip(pulls) {
             for (&node, pull) in gel.nodes().iter().zip(pulls) {
                 all[node] = pull;
             }
         }
-        Some(all)
+        Some(self.simulation.added_from_above(all))
     }
 
     /// The stretch of the activation's sites in a shape.
-    pub(super) fn stretch_at(&self, positions: &Vectors) -> Vec<f64> {
-        let Assembly { meter, .. } = &*self.assembly;
+    pub(super) fn stretch_at(&self, positions: &Vectors<D>) -> Vec<f64> {
         match &self.fibre_stretch {
             Some(fibres) => fibres.stretches(positions),
-            None => vec![self.assembly.stretch(meter.measure(positions).length)],
+            None => vec![self.assembly.stretch(self.assembly.measure(positions).length)],
         }
     }
 
@@ -74,7 +80,7 @@ impl Setup {
     /// The loop.
     pub(super) fn run(
         &self,
-        shaping: &mut impl Observable,
+        shaping: &mut impl Observable<D>,
         observer: &mut dyn RunObserver,
     ) -> (Recording, Option<StopReason>) {
         let Simulation { duration, numerics, .. } = &self.simulation;
@@ -92,7 +98,7 @@ impl Setup {
         let outputs = self.activation.outputs().into_iter().chain(self.assembly.gauges.outputs());
         let mut recording =
             Recording { signals: outputs.map(signal).collect(), ..Recording::default() };
-        let mut strongest: Option<Frame> = None;
+        let mut strongest: Option<Shown> = None;
         let mut stop = meeting.begin(shaping).err();
         let exchanges = if stop.is_some() { 0 } else { exchanges };
         for index in 0..=exchanges {
@@ -109,13 +115,7 @@ impl Setup {
             }
             observer.begins(RunPart::Recording);
             let tension = meeting.tension.average(&self.volumes);
-            let snapshot = || Frame {
-                t_ms: time,
-                ta_kpa: tension,
-                ta_by_triangle_kpa: meeting.tension.by_element().map(<[f64]>::to_vec),
-                on_gel_nn: self.on_gel(shaping),
-                positions: shaping.positions(),
-            };
+            let snapshot = || self.shown(time, tension, meeting.tension.by_element(), shaping);
             if index % per_sample == 0 {
                 let observed = shaping.observe();
                 recording.samples.push(self.sample(time, &*meeting.activation, tension, &observed));
@@ -123,12 +123,14 @@ impl Setup {
                 for (signal, value) in recording.signals.iter_mut().zip(values) {
                     signal.values.push(value);
                 }
-                if strongest.as_ref().is_none_or(|frame| tension > frame.ta_kpa) {
+                if strongest.as_ref().is_none_or(|(frame, _)| tension > frame.ta_kpa) {
                     strongest = Some(snapshot());
                 }
             }
             if index % per_frame == 0 {
-                recording.frames.push(snapshot());
+                let (frame, in_space) = snapshot();
+                recording.frames.push(frame);
+                recording.in_space.extend(in_space);
             }
             if index % per_sample == 0 && !observer.sample(Progress { time, duration: *duration }) {
                 stop = Some(StopReason::Interrupted { time });
@@ -136,13 +138,35 @@ impl Setup {
             }
         }
         // The shape at the peak of tension is always recorded, whatever the frame interval.
-        if let Some(frame) = strongest {
+        if let Some((frame, in_space)) = strongest {
             let place = recording.frames.partition_point(|other| other.t_ms < frame.t_ms);
             if recording.frames.get(place).is_none_or(|other| other.t_ms > frame.t_ms) {
                 recording.frames.insert(place, frame);
+                if let Some(in_space) = in_space {
+                    recording.in_space.insert(place, in_space);
+                }
             }
         }
         (recording, stop)
+    }
+
+    /// The shape now.
+    fn shown(
+        &self,
+        time: f64,
+        tension: f64,
+        by_element: Option<&[f64]>,
+        shaping: &impl Observable<D>,
+    ) -> Shown {
+        let (simulation, positions) = (&self.simulation, shaping.positions());
+        let frame = Frame {
+            t_ms: time,
+            ta_kpa: tension,
+            ta_by_triangle_kpa: by_element.map(|tension| simulation.by_triangle(tension)),
+            on_gel_nn: self.on_gel(shaping),
+            positions: simulation.from_above(&positions).into_owned(),
+        };
+        (frame, simulation.in_space(&positions))
     }
 
     fn sample(

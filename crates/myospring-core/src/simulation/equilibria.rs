@@ -11,11 +11,11 @@
 use super::fault::{fault, projected_area};
 use super::gauges::GAUGES;
 use super::setup::Assembly;
-use super::{SetupError, Simulation, StopReason};
+use super::space::Space;
+use super::{SettingError, SetupError, Simulation, StopReason};
 use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
-use crate::interruption::{Interrupted, Interruption};
+use crate::interruption::Interrupted;
 use crate::mechanics::{Configuration, Vectors, product, zeros};
-use crate::mesh::Mesh;
 use std::sync::Arc;
 
 /// Intervals at whose ends a load step is measured.
@@ -51,32 +51,35 @@ pub trait TensionResponse: Sync {
 
 /// The equilibria of one mesh for every tension of a range.
 #[derive(Clone)]
-pub struct Equilibria {
-    pub(super) held: Branch,
+pub struct Equilibria<const D: usize = 2, const N: usize = 3> {
+    pub(super) held: Branch<D, N>,
     /// For an afterloaded cell: the equilibria away from its stop.
-    pub(super) loaded: Option<Box<Branch>>,
+    pub(super) loaded: Option<Box<Branch<D, N>>>,
 }
 
 /// A mesh with its forces, and its equilibria as far as they were solved.
 #[derive(Clone)]
-pub(super) struct Branch {
-    pub(super) assembly: Arc<Assembly>,
-    pub(super) shapes: Shapes,
-    curve: Arc<Curve>,
+pub(super) struct Branch<const D: usize, const N: usize> {
+    pub(super) assembly: Arc<Assembly<D>>,
+    pub(super) shapes: Shapes<D>,
+    curve: Arc<Curve<D>>,
     /// Why they go no further.
     pub(super) end: Option<PathError>,
 }
 
-impl Branch {
+impl<const D: usize, const N: usize> Branch<D, N>
+where
+    Simulation: Space<D, N>,
+{
     fn at_rest(
         simulation: &Simulation,
-        assembly: Arc<Assembly>,
+        assembly: Arc<Assembly<D>>,
         tolerance: Tolerance,
     ) -> Result<Self, SetupError> {
-        let Simulation { mesh, interruption, .. } = simulation;
+        let interruption = &simulation.interruption;
         let Assembly { system, body, .. } = &*assembly;
         let path = Path::start(system, body, tolerance, interruption)?;
-        let curve = Arc::new(Curve::along(&path, mesh, &assembly, interruption)?);
+        let curve = Arc::new(Curve::along(&path, simulation, &assembly)?);
         let shapes = path.into_shapes();
         Ok(Self { assembly, shapes, curve, end: None })
     }
@@ -85,15 +88,15 @@ impl Branch {
     fn extend(
         &mut self,
         simulation: &Simulation,
-        further: impl FnOnce(&mut Path<'_>) -> Result<(), PathError>,
+        further: impl FnOnce(&mut Path<'_, D>) -> Result<(), PathError>,
     ) -> Result<(), Interrupted> {
-        let Simulation { mesh, interruption, .. } = simulation;
+        let interruption = &simulation.interruption;
         let Assembly { system, body, .. } = &*self.assembly;
         let mut path = Path::resume(system, body, self.shapes.clone(), interruption);
         let end = further(&mut path).err();
         interruption.check()?;
         self.end = end;
-        self.curve = Arc::new(Curve::along(&path, mesh, &self.assembly, interruption)?);
+        self.curve = Arc::new(Curve::along(&path, simulation, &self.assembly)?);
         self.shapes = path.into_shapes();
         Ok(())
     }
@@ -127,6 +130,9 @@ impl Branch {
         }
     }
 
+}
+
+impl<const D: usize, const N: usize> Branch<D, N> {
     /// Lowest and highest tension, kPa, up to which the shapes are valid.
     pub(super) fn intact(&self) -> [f64; 2] {
         self.curve.intact
@@ -140,10 +146,13 @@ impl Branch {
 
 impl Simulation {
     /// The mesh at rest without tension, of which equilibria can be solved.
-    pub(super) fn equilibria_at_rest(
+    pub(super) fn equilibria_at_rest<const D: usize, const N: usize>(
         &self,
         tolerance: Tolerance,
-    ) -> Result<Equilibria, SetupError> {
+    ) -> Result<Equilibria<D, N>, SetupError>
+    where
+        Self: Space<D, N>,
+    {
         self.check()?;
         self.interruption.check()?;
         let assembly = Arc::new(self.assembled_at_rest()?);
@@ -179,6 +188,7 @@ impl Simulation {
         tensions: &[f64],
         tolerance: Tolerance,
     ) -> Result<Equilibria, SetupError> {
+        self.refuse_thick("Equilibria")?;
         let mut equilibria = self.equilibria_at_rest(tolerance)?;
         for &tension in tensions {
             equilibria.extend_to(self, tension)?;
@@ -212,15 +222,42 @@ impl Simulation {
         shortening: f64,
         tolerance: Tolerance,
     ) -> Result<Equilibria, SetupError> {
+        self.refuse_thick("Equilibria")?;
+        self.equilibria_up_to(shortening, tolerance)
+    }
+
+    /// As [`Simulation::equilibria_to`], of a flat or thick cell.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::equilibria_to`].
+    pub fn response_to(
+        &self,
+        shortening: f64,
+        tolerance: Tolerance,
+    ) -> Result<Arc<dyn TensionResponse>, SetupError> {
+        Ok(match &self.thick {
+            None => Arc::new(self.equilibria_up_to::<2, 3>(shortening, tolerance)?),
+            Some(_) => Arc::new(self.equilibria_up_to::<3, 4>(shortening, tolerance)?),
+        })
+    }
+
+    fn equilibria_up_to<const D: usize, const N: usize>(
+        &self,
+        shortening: f64,
+        tolerance: Tolerance,
+    ) -> Result<Equilibria<D, N>, SetupError>
+    where
+        Self: Space<D, N>,
+    {
         let mut equilibria = self.equilibria_at_rest(tolerance)?;
         let Equilibria { held, loaded } = &mut equilibria;
         let branch = loaded.as_deref_mut().unwrap_or(held);
         let assembly = Arc::clone(&branch.assembly);
-        let Assembly { meter, held_length, .. } = &*assembly;
-        let enough = |path: &Path<'_>| {
+        let enough = |path: &Path<'_, D>| {
             let [_, highest] = path.range();
-            let shape = path.positions(highest);
-            shape.is_none_or(|shape| 1.0 - meter.measure(&shape).length / held_length >= shortening)
+            let reached =
+                |shape| 1.0 - assembly.measure(&shape).length / assembly.held_length >= shortening;
+            path.positions(highest).is_none_or(reached)
         };
         let mut tension = FIRST_TENSION;
         branch.extend(self, |path| {
@@ -232,6 +269,15 @@ impl Simulation {
         let [_, highest] = branch.shapes.range();
         equilibria.extend_to(self, highest)?;
         Ok(equilibria)
+    }
+
+    /// Refuses to give a thick cell in a form that is flat.
+    pub(super) fn refuse_thick(&self, what: &'static str) -> Result<(), SettingError> {
+        if self.thick.is_none() {
+            return Ok(());
+        }
+        let because = "it is for flat cells; take Simulation::build, or Simulation::response_to";
+        Err(SettingError::Conflict { what, with: "a thick cell", because })
     }
 }
 
@@ -273,7 +319,7 @@ pub struct OutOfRange {
     pub highest: f64,
 }
 
-impl TensionResponse for Equilibria {
+impl<const D: usize, const N: usize> TensionResponse for Equilibria<D, N> {
     fn shortening(&self, tension: f64) -> [f64; 2] {
         let part = 1.0 / self.held.assembly.held_length;
         let [length, slope] = self.branch(tension).curve.length(tension);
@@ -303,7 +349,11 @@ impl TensionResponse for Equilibria {
     }
 }
 
-impl Equilibria {
+#[allow(private_bounds, reason = "flat or thick, and nothing else")]
+impl<const D: usize, const N: usize> Equilibria<D, N>
+where
+    Simulation: Space<D, N>,
+{
     /// Extends the path to a tension, unless it ends before.
     pub(super) fn extend_to(
         &mut self,
@@ -324,15 +374,17 @@ impl Equilibria {
         let mut branches = std::iter::once(&mut self.held).chain(self.loaded.as_deref_mut());
         branches.try_for_each(|branch| branch.reach(simulation, time, tension))
     }
+}
 
+impl<const D: usize, const N: usize> Equilibria<D, N> {
     /// Why they end before a tension, if they do.
     pub(super) fn end(&self, tension: f64) -> Option<&PathError> {
         self.held.end.as_ref().filter(|_| !self.held.shapes.reaches(tension))
     }
 
     /// The branch that the mesh is on at a tension.
-    pub(super) fn branch(&self, tension: f64) -> &Branch {
-        let length = |branch: &Branch| branch.curve.length(tension)[0];
+    pub(super) fn branch(&self, tension: f64) -> &Branch<D, N> {
+        let length = |branch: &Branch<D, N>| branch.curve.length(tension)[0];
         match self.loaded.as_deref() {
             Some(loaded) if length(loaded) < length(&self.held) => loaded,
             _ => &self.held,
@@ -345,7 +397,7 @@ impl Equilibria {
     }
 
     /// The shapes and the work they took; for an afterloaded cell those at its stop.
-    pub fn shapes(&self) -> &Shapes {
+    pub fn shapes(&self) -> &Shapes<D> {
         &self.held.shapes
     }
 
@@ -376,12 +428,12 @@ impl Equilibria {
 
     /// The forces of the nodes that adhere to a gel under a tension in kPa, nN; `None` without a gel, or outside the range that
     /// was solved.
-    pub(super) fn pulls(&self, tension: f64) -> Option<Vectors> {
+    pub(super) fn pulls(&self, tension: f64) -> Option<Vectors<D>> {
         self.branch(tension).curve.pulls.as_ref()?.positions(tension)
     }
 
     /// Positions under a tension in kPa, um; `None` outside the range that was solved.
-    pub fn positions(&self, tension: f64) -> Option<Vectors> {
+    pub fn positions(&self, tension: f64) -> Option<Vectors<D>> {
         self.branch(tension).shapes.positions(tension)
     }
 }
@@ -397,7 +449,7 @@ pub(super) const PER_TENSION: usize = 5;
 
 /// Quantities as functions of the tension, in cubic pieces.
 #[derive(Debug)]
-struct Curve {
+struct Curve<const D: usize> {
     /// Where pieces begin and where the last one ends, kPa, ascending; `PARTS` intervals to a load step.
     tensions: Vec<f64>,
     /// Coefficients by the tension above the begin of each.
@@ -405,20 +457,22 @@ struct Curve {
     /// Lowest and highest tension, kPa, up to which the measured shapes are valid.
     intact: [f64; 2],
     /// The forces on a gel, nN.
-    pulls: Option<Shapes>,
+    pulls: Option<Shapes<D>>,
 }
 
 /// Coefficients, the constant first.
 type Cubic = [f64; 4];
 
-impl Curve {
-    fn along(
-        shapes: &Shapes,
-        mesh: &Mesh,
-        assembly: &Assembly,
-        interruption: &Interruption,
-    ) -> Result<Self, Interrupted> {
-        let Assembly { system, meter, gauges, body, .. } = assembly;
+impl<const D: usize> Curve<D> {
+    fn along<const N: usize>(
+        shapes: &Shapes<D>,
+        simulation: &Simulation,
+        assembly: &Assembly<D>,
+    ) -> Result<Self, Interrupted>
+    where
+        Simulation: Space<D, N>,
+    {
+        let Assembly { system, gauges, body, .. } = assembly;
         // The forces on a gel are linear in the displacements, so they need not be solved for at each tension.
         let gel = system.compliance();
         let pulls = gel.map(|gel| shapes.linear(&body.positions, |moved| gel.forces_of(moved)));
@@ -432,15 +486,15 @@ impl Curve {
             })
             .collect();
         tensions.extend(knots.last());
-        let still = zeros(mesh.len());
+        let still = zeros(body.len());
         let mut values: Vec<Quantities> = Vec::new();
         let mut sound = Vec::new();
-        let mut before: Option<(f64, Vectors)> = None;
+        let mut before: Option<(f64, Vectors<D>)> = None;
         let mut added = Vec::new();
         for &tension in &tensions {
-            interruption.check()?;
+            simulation.interruption.check()?;
             let Some(positions) = shapes.positions(tension) else { break };
-            let energy = |positions: &Vectors, tension: f64| {
+            let energy = |positions: &Vectors<D>, tension: f64| {
                 let tension = tension.into();
                 let at = Configuration { positions, velocities: &still, tension };
                 system.active_energy(&at)
@@ -450,7 +504,7 @@ impl Curve {
                 let mean = 0.5 * (last + tension);
                 energy(from, mean) - energy(&positions, mean)
             }));
-            let extent = meter.measure(&positions);
+            let extent = assembly.measure(&positions);
             let at = Configuration {
                 positions: &positions,
                 velocities: &still,
@@ -465,7 +519,7 @@ impl Curve {
             quantities[..LOADS].copy_from_slice(&[
                 extent.length,
                 extent.width,
-                projected_area(mesh, &positions),
+                projected_area(&simulation.mesh, &simulation.from_above(&positions)),
                 system.own_energy(&at) + outside,
                 0.0,
                 energy(&positions, 1.0),
@@ -476,7 +530,7 @@ impl Curve {
                 *quantity = told;
             }
             values.push(quantities);
-            sound.push(fault(mesh, &positions, 0.0, tension).is_none());
+            sound.push(fault(simulation.body_mesh(), &positions, 0.0, tension).is_none());
             before = Some((tension, positions));
         }
         // Work counts from tension 0, which is a knot, in both directions, so that it does not

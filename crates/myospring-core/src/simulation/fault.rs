@@ -2,7 +2,7 @@
 
 use super::StopReason;
 use crate::mechanics::Vectors;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Place};
 use crate::mesh::simplex::measure_at;
 
 /// Projected area of a mesh in given positions, um^2.
@@ -11,29 +11,26 @@ pub fn projected_area(mesh: &Mesh, positions: &[Vec<f64>; 2]) -> f64 {
 }
 
 /// The first fault of a body, if there is any.
-pub(super) fn fault(
-    mesh: &Mesh,
-    positions: &Vectors,
+pub(super) fn fault<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    positions: &Vectors<D>,
     time: f64,
     tension: f64,
 ) -> Option<StopReason> {
-    let [x, y] = positions;
-    let rest = |node: usize| (mesh.points[0][node], mesh.points[1][node]);
-    if let Some(node) = (0..x.len()).find(|&node| !(x[node].is_finite() && y[node].is_finite())) {
-        let (x, y) = rest(node);
-        return Some(StopReason::NotFinite { time, node, x, y });
+    let lost = |&node: &usize| positions.iter().any(|of| !of[node].is_finite());
+    if let Some(node) = (0..positions[0].len()).find(lost) {
+        return Some(StopReason::NotFinite { time, node, place: Place::of(&mesh.points, node) });
     }
     let zero = |nodes: [u32; 2]| {
         let [a, b] = nodes.map(|node| node as usize);
-        x[a] == x[b] && y[a] == y[b]
+        positions.iter().all(|of| of[a] == of[b])
     };
     if let Some(spring) = mesh.springs.iter().position(|spring| zero(spring.nodes)) {
-        let node = mesh.springs[spring].nodes[0] as usize;
-        let (x, y) = (x[node], y[node]);
-        return Some(StopReason::ZeroLength { time, tension, spring, x, y });
+        let place = Place::of(positions, mesh.springs[spring].nodes[0] as usize);
+        return Some(StopReason::ZeroLength { time, tension, spring, place });
     }
-    let inverted = |nodes: [u32; 3]| measure_at(positions, nodes) <= 0.0;
+    let inverted = |nodes: [u32; N]| measure_at(positions, nodes) <= 0.0;
     let triangle = mesh.simplices.iter().position(|simplex| inverted(simplex.nodes))?;
-    let node = mesh.simplices[triangle].nodes[0] as usize;
-    Some(StopReason::Inverted { time, tension, triangle, x: x[node], y: y[node] })
+    let place = Place::of(positions, mesh.simplices[triangle].nodes[0] as usize);
+    Some(StopReason::Inverted { time, tension, triangle, place })
 }

@@ -11,14 +11,15 @@ use super::held::Held;
 use super::observer::{Progress, RunObserver, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::{Assembly, Setup};
+use super::space::Space;
 use super::{SetupError, Simulation, StopReason};
 use crate::integrate::quasi_static::{Equilibrium, PathError, Tolerance};
 use crate::mechanics::{Body, Tension, Vectors};
 use crate::recording::Recording;
 
 /// A prepared run from equilibrium to equilibrium.
-pub struct PreparedField {
-    pub(super) setup: Setup,
+pub struct PreparedField<const D: usize = 2, const N: usize = 3> {
+    pub(super) setup: Setup<D, N>,
     tolerance: Tolerance,
 }
 
@@ -29,13 +30,28 @@ impl Simulation {
     /// # Errors
     /// An invalid setting, or forces without equilibria.
     pub fn prepare_field(&self, tolerance: Tolerance) -> Result<PreparedField, SetupError> {
+        self.refuse_thick("PreparedField")?;
+        self.field(tolerance)
+    }
+
+    pub(super) fn field<const D: usize, const N: usize>(
+        &self,
+        tolerance: Tolerance,
+    ) -> Result<PreparedField<D, N>, SetupError>
+    where
+        Self: Space<D, N>,
+    {
         let setup = self.set_up()?;
         Equilibrium::new(&setup.assembly.system, &setup.assembly.body, tolerance)?;
         Ok(PreparedField { setup, tolerance })
     }
 }
 
-impl PreparedField {
+#[allow(private_bounds, reason = "flat or thick, and nothing else")]
+impl<const D: usize, const N: usize> PreparedField<D, N>
+where
+    Simulation: Space<D, N>,
+{
     /// Runs to the end or to the first fault; `observe` is called at each recorded sample and stops
     /// the run by returning `false`.
     pub fn run(&self, observe: impl FnMut(Progress) -> bool) -> Outcome {
@@ -64,26 +80,29 @@ impl PreparedField {
 }
 
 /// A mesh at rest under the tensions of its triangles.
-struct FromRestToRest<'a> {
-    setup: &'a Setup,
-    equilibrium: Equilibrium<'a>,
-    state: State,
-    marked: State,
+struct FromRestToRest<'a, const D: usize, const N: usize> {
+    setup: &'a Setup<D, N>,
+    equilibrium: Equilibrium<'a, D>,
+    state: State<D>,
+    marked: State<D>,
     /// Equilibria so far.
     solved: usize,
 }
 
 #[derive(Clone)]
-struct State {
+struct State<const D: usize> {
     /// At rest.
-    body: Body,
+    body: Body<D>,
     tension: Held,
     active_work: f64,
 }
 
-impl<'a> FromRestToRest<'a> {
+impl<'a, const D: usize, const N: usize> FromRestToRest<'a, D, N>
+where
+    Simulation: Space<D, N>,
+{
     /// In equilibrium under the tension before the run begins, that of the unstretched cell.
-    fn start(setup: &'a Setup, tolerance: Tolerance) -> Result<Self, StopReason> {
+    fn start(setup: &'a Setup<D, N>, tolerance: Tolerance) -> Result<Self, StopReason> {
         let Assembly { system, body, .. } = &*setup.assembly;
         let broken_off =
             |error: PathError| StopReason::BrokenOff { time: 0.0, cause: error.to_string() };
@@ -99,9 +118,12 @@ impl<'a> FromRestToRest<'a> {
     }
 }
 
-impl Setup {
+impl<const D: usize, const N: usize> Setup<D, N>
+where
+    Simulation: Space<D, N>,
+{
     /// The mesh at rest under the tension before the run begins.
-    pub(super) fn at_rest(&self) -> Result<Body, StopReason> {
+    pub(super) fn at_rest(&self) -> Result<Body<D>, StopReason> {
         if Held::of(self.activation.tension()).is_zero() {
             return Ok(self.assembly.body.clone());
         }
@@ -111,7 +133,10 @@ impl Setup {
     }
 }
 
-impl Shaping for FromRestToRest<'_> {
+impl<const D: usize, const N: usize> Shaping for FromRestToRest<'_, D, N>
+where
+    Simulation: Space<D, N>,
+{
     fn is_static(&self) -> bool {
         true
     }
@@ -135,14 +160,14 @@ impl Shaping for FromRestToRest<'_> {
             (tension, _) => Held::of(tension),
         };
         let average = tension.average(volumes);
-        if let Some(reason) = fault(&simulation.mesh, &positions, time, average) {
+        if let Some(reason) = fault(simulation.body_mesh(), &positions, time, average) {
             return Err(reason);
         }
         let State { body, tension: before, active_work } = &mut self.state;
         let mean = before.mean(&tension);
         // W = -int grad E(x; Ta) dx
         let energy =
-            |body: &Body| assembly.system.active_energy(&body.configuration(mean.tension()));
+            |body: &Body<D>| assembly.system.active_energy(&body.configuration(mean.tension()));
         *active_work += energy(body);
         body.positions = positions;
         *active_work -= energy(body);
@@ -163,16 +188,19 @@ impl Shaping for FromRestToRest<'_> {
     }
 }
 
-impl Observable for FromRestToRest<'_> {
+impl<const D: usize, const N: usize> Observable<D> for FromRestToRest<'_, D, N>
+where
+    Simulation: Space<D, N>,
+{
     fn observe(&self) -> Observed {
         let Setup { simulation, assembly, .. } = self.setup;
         let State { body, tension, active_work } = &self.state;
-        let extent = assembly.meter.measure(&body.positions);
+        let extent = assembly.measure(&body.positions);
         let at = body.configuration(tension.tension());
         Observed {
             length: extent.length,
             width: extent.width,
-            area: projected_area(&simulation.mesh, &body.positions),
+            area: projected_area(&simulation.mesh, &simulation.from_above(&body.positions)),
             elastic_energy: assembly.system.elastic_energy(&at),
             kinetic_energy: 0.0,
             active_work: *active_work,
@@ -183,7 +211,7 @@ impl Observable for FromRestToRest<'_> {
         }
     }
 
-    fn positions(&self) -> Vectors {
+    fn positions(&self) -> Vectors<D> {
         self.state.body.positions.clone()
     }
 }

@@ -1,15 +1,19 @@
-//! What is measured where something outside holds the cell: the force at held ends, the tractions on a gel.
+//! What is measured where something outside holds the cell, the force at held ends, the tractions on a gel; and of a thick cell.
 
 use crate::cell::Output;
 use crate::mechanics::{Configuration, System, Vectors, product, zeros};
+use super::thickness::ThicknessMeter;
 use crate::recording::{AXIAL_FORCE, CONTRACTILE_MOMENT, END_FORCE, GEL_ENERGY, TRACTION_FORCE};
+use std::sync::Arc;
 
 /// Largest number of values.
-pub(super) const GAUGES: usize = 4;
+pub(super) const GAUGES: usize = 8;
 
 /// The gauges of a cell.
 #[derive(Debug, Clone)]
 pub(super) struct Gauges {
+    /// Of a thick cell.
+    pub(super) thickness: Option<Arc<ThicknessMeter>>,
     /// The nodes at its upper end, if both ends are held.
     pub(super) end: Option<Vec<usize>>,
     /// Whether it adheres to an elastic body.
@@ -19,45 +23,49 @@ pub(super) struct Gauges {
 }
 
 impl Gauges {
+    /// Names, units and meanings of what they tell.
+    fn told(&self) -> impl Iterator<Item = [&'static str; 3]> {
+        let end = [END_FORCE, "nN", "force with which the cell draws its ends inward"];
+        let gel = [
+            [TRACTION_FORCE, "nN", "sum of the absolute tractions of the cell on the gel"],
+            [
+                AXIAL_FORCE,
+                "nN",
+                "force along the long axis with which the halves of the cell draw the gel together",
+            ],
+            [
+                CONTRACTILE_MOMENT,
+                "fJ",
+                "minus the sum of traction times place at rest, above 0 where the cell pulls inward",
+            ],
+            [GEL_ENERGY, "fJ", "elastic energy of the gel"],
+        ];
+        let end = self.end.iter().map(move |_| end);
+        let gel = gel.into_iter().filter(|_| self.adheres);
+        end.chain(gel).chain(self.thickness.iter().flat_map(|_| ThicknessMeter::TOLD))
+    }
+
     /// What they tell.
     pub(super) fn outputs(&self) -> Vec<Output> {
-        let output = |(name, unit, meaning): (&'static str, &'static str, &'static str)| Output {
+        let output = |[name, unit, meaning]: [&'static str; 3]| Output {
             name: name.into(),
             unit: unit.into(),
             meaning: meaning.into(),
         };
-        let end = (END_FORCE, "nN", "force with which the cell draws its ends inward");
-        let gel = [
-            (TRACTION_FORCE, "nN", "sum of the absolute tractions of the cell on the gel"),
-            (
-                AXIAL_FORCE,
-                "nN",
-                "force along the long axis with which the halves of the cell draw the gel together",
-            ),
-            (
-                CONTRACTILE_MOMENT,
-                "fJ",
-                "minus the sum of traction times place at rest, above 0 where the cell pulls inward",
-            ),
-            (GEL_ENERGY, "fJ", "elastic energy of the gel"),
-        ];
-        let ends = self.end.iter().map(|_| end);
-        ends.chain(gel.into_iter().filter(|_| self.adheres)).map(output).collect()
+        self.told().map(output).collect()
     }
 
     /// The place of a gauge among them.
     pub(super) fn place(&self, name: &str) -> Option<usize> {
-        let end = self.end.iter().map(|_| END_FORCE);
-        let gel = [TRACTION_FORCE, AXIAL_FORCE, CONTRACTILE_MOMENT, GEL_ENERGY];
-        end.chain(gel.into_iter().filter(|_| self.adheres)).position(|known| known == name)
+        self.told().position(|[known, ..]| known == name)
     }
 
     /// Their values; `pulls` are the forces of the cell on what it adheres to, nN.
-    pub(super) fn read(
+    pub(super) fn read<const D: usize>(
         &self,
-        system: &System,
-        at: &Configuration<'_>,
-        pulls: Option<&Vectors>,
+        system: &System<D>,
+        at: &Configuration<'_, D>,
+        pulls: Option<&Vectors<D>>,
     ) -> Vec<f64> {
         let mut values = Vec::new();
         values.extend(self.end.as_ref().map(|nodes| self.end_force(nodes, system, at)));
@@ -82,17 +90,27 @@ impl Gauges {
             let energy = 0.5 * product(pulls, &moved);
             values.extend([total, axial, moment, energy]);
         }
+        values.extend(self.thickness.iter().flat_map(|meter| meter.read(at.positions)));
         values
     }
 
     /// As [`Gauges::read`], where the forces on what the cell adheres to are not known yet.
-    pub(super) fn read_now(&self, system: &System, at: &Configuration<'_>) -> Vec<f64> {
+    pub(super) fn read_now<const D: usize>(
+        &self,
+        system: &System<D>,
+        at: &Configuration<'_, D>,
+    ) -> Vec<f64> {
         let pulls = system.compliance().map(|gel| gel.forces(&gel.displacements(at.positions)));
         self.read(system, at, pulls.as_ref())
     }
 
     /// Force with which the upper end is drawn inward, nN; negative where it is pushed out.
-    fn end_force(&self, nodes: &[usize], system: &System, at: &Configuration<'_>) -> f64 {
+    fn end_force<const D: usize>(
+        &self,
+        nodes: &[usize],
+        system: &System<D>,
+        at: &Configuration<'_, D>,
+    ) -> f64 {
         let mut forces = zeros(at.positions[0].len());
         for force in system.forces().filter(|force| force.is_internal()) {
             force.add_forces(at, &mut forces);

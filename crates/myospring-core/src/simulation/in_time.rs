@@ -7,27 +7,29 @@ use super::held::Held;
 use super::observer::{Progress, RunObserver, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::Setup;
+use super::space::Space;
 use super::{SAFETY, SetupError, Simulation, StopReason};
 use crate::exchange::Sites;
-use crate::integrate::engine::{EngineUsed, Task};
+use crate::integrate::engine::EngineUsed;
 use crate::integrate::stepper::Stepper;
 use crate::mechanics::stability::StabilityLimit;
 use crate::mechanics::{Body, System, Tension, Vectors};
+use crate::mesh::Place;
 use crate::recording::Recording;
 
 /// Steps times masses between checks for an interruption: less than half a second.
 const STEPS_OF_MASSES: usize = 10_000_000;
 
 /// A prepared run in time: forces assembled, time step chosen, engine checked.
-pub struct Prepared {
-    pub(super) setup: Setup,
+pub struct Prepared<const D: usize = 2, const N: usize = 3> {
+    pub(super) setup: Setup<D, N>,
     /// The stability limit at peak tension.
     pub limit: StabilityLimit,
     /// Mechanical steps in each exchange interval.
     pub steps_per_exchange: usize,
     engine: EngineUsed,
     /// At rest under the tension before the first beat.
-    start: Body,
+    start: Body<D>,
     /// Why it is not, and is instead in the shape without tension.
     pub(super) not_at_rest: Option<String>,
 }
@@ -40,6 +42,16 @@ impl Simulation {
     /// An invalid setting, a time step above the stability limit, an engine that cannot move this
     /// mesh, or a cell model without tension to scale.
     pub fn prepare(&self) -> Result<Prepared, SetupError> {
+        self.refuse_thick("Prepared")?;
+        self.in_time()
+    }
+
+    pub(super) fn in_time<const D: usize, const N: usize>(
+        &self,
+    ) -> Result<Prepared<D, N>, SetupError>
+    where
+        Self: Space<D, N>,
+    {
         let setup = self.set_up()?;
         let (system, body) = (&setup.assembly.system, &setup.assembly.body);
         let limit = setup.under_strongest(|tension| {
@@ -51,9 +63,9 @@ impl Simulation {
             && time_step > limit.time_step
         {
             let node = limit.stiffest_node;
-            let [x, y] = self.mesh.point(node);
+            let place = Place::of(&self.body_mesh().points, node);
             let limit = limit.time_step;
-            return Err(SetupError::UnstableStep { time_step, limit, node, x, y });
+            return Err(SetupError::UnstableStep { time_step, limit, node, place });
         }
         let wanted = self.numerics.time_step.unwrap_or(SAFETY * limit.time_step);
         // Equal steps that fill the exchange interval; with a margin for rounding of the quotient.
@@ -73,7 +85,11 @@ impl Simulation {
     }
 }
 
-impl Prepared {
+#[allow(private_bounds, reason = "flat or thick, and nothing else")]
+impl<const D: usize, const N: usize> Prepared<D, N>
+where
+    Simulation: Space<D, N>,
+{
     /// The mechanical time step, ms.
     pub fn time_step(&self) -> f64 {
         self.setup.simulation.numerics.exchange_interval / self.steps_per_exchange as f64
@@ -84,21 +100,10 @@ impl Prepared {
         &self.engine
     }
 
-    fn stepper(&self) -> Result<(Box<dyn Stepper + '_>, EngineUsed), SetupError> {
+    fn stepper(&self) -> Result<(Box<dyn Stepper<D> + '_>, EngineUsed), SetupError> {
         let Setup { simulation, assembly, .. } = &self.setup;
-        let (system, body) = (&assembly.system, &self.start);
-        if let Some(make) = &simulation.stepper {
-            return Ok((make(system, body.clone(), self.time_step()), EngineUsed::Own));
-        }
-        let task = Task {
-            system,
-            body,
-            lattice: simulation.mesh.lattice.as_ref(),
-            form: simulation.numerics.method.in_time(),
-            time_step: self.time_step(),
-            uniform_tension: self.setup.sites() == Sites::Whole,
-        };
-        Ok(simulation.numerics.engine.stepper(&task)?)
+        let uniform = self.setup.sites() == Sites::Whole;
+        Ok(simulation.moved(&assembly.system, &self.start, self.time_step(), uniform)?)
     }
 
     /// Runs to the end or to the first fault; `observe` is called at each recorded sample and stops
@@ -133,26 +138,29 @@ impl Prepared {
 }
 
 /// Masses that move in time.
-struct InTime<'a> {
-    setup: &'a Setup,
-    stepper: Box<dyn Stepper + 'a>,
+struct InTime<'a, const D: usize, const N: usize> {
+    setup: &'a Setup<D, N>,
+    stepper: Box<dyn Stepper<D> + 'a>,
     /// Steps in each exchange interval.
     steps: usize,
-    ledger: Ledger,
-    marked: Option<Ledger>,
+    ledger: Ledger<D>,
+    marked: Option<Ledger<D>>,
 }
 
-impl<'a> InTime<'a> {
+impl<'a, const D: usize, const N: usize> InTime<'a, D, N>
+where
+    Simulation: Space<D, N>,
+{
     /// A motion with a number of steps in each exchange interval.
-    fn new(setup: &'a Setup, stepper: Box<dyn Stepper + 'a>, steps: usize) -> Self {
+    fn new(setup: &'a Setup<D, N>, stepper: Box<dyn Stepper<D> + 'a>, steps: usize) -> Self {
         let ledger = Ledger::new(stepper.body(), Held::of(setup.activation.tension()));
         Self { setup, stepper, steps, ledger, marked: None }
     }
 
     /// Advances by an exchange interval, in parts if it takes long, so that it can be interrupted.
     fn advance(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
-        let Simulation { mesh, interruption, .. } = &self.setup.simulation;
-        let at_once = (STEPS_OF_MASSES / mesh.len().max(1)).max(1);
+        let interruption = &self.setup.simulation.interruption;
+        let at_once = (STEPS_OF_MASSES / self.stepper.body().len().max(1)).max(1);
         let [from, to] = match tensions {
             [Tension::Uniform(from), Tension::Uniform(to)] if self.steps > at_once => [from, to],
             // A tension that differs from place to place follows the mesh, so the interval is not
@@ -191,23 +199,26 @@ impl<'a> InTime<'a> {
     }
 }
 
-impl Shaping for InTime<'_> {
+impl<const D: usize, const N: usize> Shaping for InTime<'_, D, N>
+where
+    Simulation: Space<D, N>,
+{
     fn is_static(&self) -> bool {
         false
     }
 
     fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
-        let Simulation { mesh, numerics, .. } = &self.setup.simulation;
+        let simulation = &self.setup.simulation;
         self.advance(time, tensions)?;
         let tension = self.now(tensions[1]);
         let body = self.stepper.body();
         let average = tension.average(&self.setup.volumes);
-        if let Some(reason) = fault(mesh, &body.positions, time, average) {
+        if let Some(reason) = fault(simulation.body_mesh(), &body.positions, time, average) {
             return Err(reason);
         }
         let system = &self.setup.assembly.system;
         let mean = Held::of(tensions[0]).mean(&tension);
-        self.ledger.settle(system, body, [mean, tension], numerics.exchange_interval);
+        self.ledger.settle(system, body, [mean, tension], simulation.numerics.exchange_interval);
         Ok(())
     }
 
@@ -228,28 +239,37 @@ impl Shaping for InTime<'_> {
     }
 }
 
-impl Observable for InTime<'_> {
+impl<const D: usize, const N: usize> Observable<D> for InTime<'_, D, N>
+where
+    Simulation: Space<D, N>,
+{
     fn observe(&self) -> Observed {
         let (Setup { simulation, assembly, .. }, body) = (self.setup, self.stepper.body());
-        let extent = assembly.meter.measure(&body.positions);
+        let extent = assembly.measure(&body.positions);
         let (momentum, centre) = (body.momentum(), body.mass_centre());
-        let orbital = centre[0] * momentum[1] - centre[1] * momentum[0];
+        let turning = |[p, q]: [usize; 2]| {
+            body.angular_momentum_in([p, q]) - (centre[p] * momentum[q] - centre[q] * momentum[p])
+        };
+        let angular_momentum = match D {
+            2 => turning([0, 1]),
+            _ => [[0, 1], [1, 2], [2, 0]].map(turning).into_iter().fold(0.0, f64::hypot),
+        };
         let at = body.configuration(self.ledger.tension.tension());
         Observed {
             length: extent.length,
             width: extent.width,
-            area: projected_area(&simulation.mesh, &body.positions),
+            area: projected_area(&simulation.mesh, &simulation.from_above(&body.positions)),
             elastic_energy: assembly.system.elastic_energy(&at),
             kinetic_energy: body.kinetic_energy(),
             active_work: self.ledger.active_work,
             dissipated_energy: self.ledger.dissipated,
-            momentum: momentum[0].hypot(momentum[1]),
-            angular_momentum: body.angular_momentum() - orbital,
+            momentum: momentum.into_iter().reduce(f64::hypot).unwrap_or_default(),
+            angular_momentum,
             gauges: assembly.gauges.read_now(&assembly.system, &at),
         }
     }
 
-    fn positions(&self) -> Vectors {
+    fn positions(&self) -> Vectors<D> {
         self.stepper.body().positions.clone()
     }
 }
@@ -260,25 +280,31 @@ impl Observable for InTime<'_> {
 /// energy at the mean tension of the interval, `W = -int grad E(x; Ta) dx`, which needs no velocity
 /// and so does not miss fast vibrations between two exchanges.
 #[derive(Debug, Clone)]
-struct Ledger {
+struct Ledger<const D: usize> {
     active_work: f64,
     dissipated: f64,
     tension: Held,
     dissipation: f64,
     /// Where the masses were, at rest.
-    before: Body,
+    before: Body<D>,
 }
 
-impl Ledger {
-    fn new(body: &Body, tension: Held) -> Self {
+impl<const D: usize> Ledger<D> {
+    fn new(body: &Body<D>, tension: Held) -> Self {
         let mut before = body.clone();
         before.velocities.iter_mut().flatten().for_each(|v| *v = 0.0);
         Self { active_work: 0.0, dissipated: 0.0, tension, dissipation: 0.0, before }
     }
 
     /// Adds an interval that ends with this body, under these mean and last tensions.
-    fn settle(&mut self, system: &System, body: &Body, [mean, tension]: [Held; 2], elapsed: f64) {
-        let energy = |body: &Body| system.active_energy(&body.configuration(mean.tension()));
+    fn settle(
+        &mut self,
+        system: &System<D>,
+        body: &Body<D>,
+        [mean, tension]: [Held; 2],
+        elapsed: f64,
+    ) {
+        let energy = |body: &Body<D>| system.active_energy(&body.configuration(mean.tension()));
         self.active_work += energy(&self.before) - energy(body);
         let dissipation = system.dissipation(&body.configuration(tension.tension()));
         self.dissipated += 0.5 * elapsed * (self.dissipation + dissipation);

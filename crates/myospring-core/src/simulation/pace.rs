@@ -103,7 +103,7 @@ impl Ready {
     /// The warning for a free cell whose rate neither measured cells nor its model's published
     /// parameters have.
     pub(super) fn out_of_pace(&self, outcome: &Outcome) -> Option<String> {
-        let pace = self.setup().simulation.pace(&outcome.beats());
+        let pace = self.simulation().pace(&outcome.beats());
         let Pace::Unexplained { over_peak, rate, band } = pace else { return None };
         let Band { low, high, .. } = band;
         let than = match band.place(over_peak) {

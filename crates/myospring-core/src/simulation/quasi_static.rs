@@ -13,7 +13,8 @@ use super::fault::fault;
 use super::observer::{Progress, RunObserver, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::Setup;
-use super::{SettingError, SetupError, Simulation, StopReason};
+use super::space::Space;
+use super::{Ready, SettingError, SetupError, Simulation, StopReason};
 use crate::cell::tension::lag::Lag;
 use crate::exchange::Sites;
 use crate::integrate::quasi_static::{PathError, Shapes, Tolerance};
@@ -21,9 +22,9 @@ use crate::mechanics::{Tension, Vectors};
 use crate::recording::Recording;
 
 /// A prepared quasi-static run: its path is solved up to the peak of tension.
-pub struct PreparedPath {
-    pub(super) setup: Setup,
-    pub(super) equilibria: Equilibria,
+pub struct PreparedPath<const D: usize = 2, const N: usize = 3> {
+    pub(super) setup: Setup<D, N>,
+    pub(super) equilibria: Equilibria<D, N>,
 }
 
 impl Simulation {
@@ -32,8 +33,8 @@ impl Simulation {
     ///
     /// # Errors
     /// An invalid setting, forces without such a path, or a cell model without tension. A path that
-    /// ends before the peak is not an error; see [`PreparedPath::end`].
-    pub fn prepare_quasi_static(&self, tolerance: Tolerance) -> Result<PreparedPath, SetupError> {
+    /// ends before the peak is not an error; see [`Ready::end`].
+    pub fn prepare_quasi_static(&self, tolerance: Tolerance) -> Result<Ready, SetupError> {
         self.shared_path(tolerance)?.prepare(self)
     }
 
@@ -66,7 +67,7 @@ impl Simulation {
     }
 }
 
-impl Setup {
+impl<const D: usize, const N: usize> Setup<D, N> {
     /// Refuses simulations whose path cannot be solved in advance.
     pub(super) fn check_path(&self) -> Result<(), SettingError> {
         match self.sites() {
@@ -85,7 +86,11 @@ impl Setup {
     }
 }
 
-impl PreparedPath {
+#[allow(private_bounds, reason = "flat or thick, and nothing else")]
+impl<const D: usize, const N: usize> PreparedPath<D, N>
+where
+    Simulation: Space<D, N>,
+{
     /// Why the path ends before the peak of tension, if it does.
     pub fn end(&self) -> Option<&PathError> {
         self.equilibria.end(self.setup.peak())
@@ -128,9 +133,9 @@ impl PreparedPath {
 }
 
 /// A mesh that takes the shapes of a path, at the present tension or lagging behind it.
-struct AlongPath<'a> {
-    setup: &'a Setup,
-    equilibria: Equilibria,
+struct AlongPath<'a, const D: usize, const N: usize> {
+    setup: &'a Setup<D, N>,
+    equilibria: Equilibria<D, N>,
     state: Lagging,
     marked: Lagging,
     /// At the start of the run.
@@ -147,7 +152,7 @@ struct Lagging {
     work: f64,
 }
 
-impl AlongPath<'_> {
+impl<const D: usize, const N: usize> AlongPath<'_, D, N> {
     /// Whether the work of the tension depends on more than the present shape.
     fn keeps_account(&self) -> bool {
         self.is_viscous() || self.equilibria.loaded.is_some()
@@ -158,7 +163,10 @@ impl AlongPath<'_> {
     }
 }
 
-impl Shaping for AlongPath<'_> {
+impl<const D: usize, const N: usize> Shaping for AlongPath<'_, D, N>
+where
+    Simulation: Space<D, N>,
+{
     fn is_static(&self) -> bool {
         true
     }
@@ -187,7 +195,7 @@ impl Shaping for AlongPath<'_> {
         let [lowest, highest] = self.equilibria.branch(tension).intact();
         if !(lowest..=highest).contains(&tension) {
             let positions = self.positions();
-            if let Some(reason) = fault(&simulation.mesh, &positions, time, tension) {
+            if let Some(reason) = fault(simulation.body_mesh(), &positions, time, tension) {
                 return Err(reason);
             }
         }
@@ -200,7 +208,10 @@ impl Shaping for AlongPath<'_> {
     }
 }
 
-impl Observable for AlongPath<'_> {
+impl<const D: usize, const N: usize> Observable<D> for AlongPath<'_, D, N>
+where
+    Simulation: Space<D, N>,
+{
     fn observe(&self) -> Observed {
         let [length, width, area, elastic_energy, work, _, gauges @ ..] =
             self.equilibria.at(self.state.tension);
@@ -224,13 +235,13 @@ impl Observable for AlongPath<'_> {
     }
 
     /// The path reaches every tension of the run.
-    fn positions(&self) -> Vectors {
+    fn positions(&self) -> Vectors<D> {
         let tension = self.state.tension;
         let positions = self.equilibria.positions(tension);
         positions.unwrap_or_else(|| self.setup.assembly.body.positions.clone())
     }
 
-    fn pulls(&self) -> Option<Vectors> {
+    fn pulls(&self) -> Option<Vectors<D>> {
         self.equilibria.pulls(self.state.tension)
     }
 }

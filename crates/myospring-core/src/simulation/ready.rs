@@ -3,22 +3,117 @@
 use super::observer::{RunObserver, Samples};
 use super::outcome::Outcome;
 use super::setup::Setup;
+use super::space::Space;
 use super::{Prepared, PreparedField, PreparedPath, Progress, SetupError, Simulation};
 use crate::integrate::Method;
 use crate::integrate::engine::EngineUsed;
-use crate::integrate::quasi_static::Tolerance;
+use crate::integrate::quasi_static::{PathError, Tolerance};
 
 /// Strengths relative to the published parameters' without a warning.
 const ORDINARY: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
-/// A prepared run: everything is checked, and it owns its data.
-pub enum Ready {
-    /// In time: forces assembled, time step chosen.
-    InTime(Prepared),
-    /// Along the path of equilibria, which is solved.
-    AlongPath(PreparedPath),
-    /// From equilibrium to equilibrium.
-    FromRestToRest(PreparedField),
+/// A prepared run: everything is checked, and it owns its data. In time, along the path of equilibria, or from equilibrium to
+/// equilibrium; of a flat or a thick cell.
+pub struct Ready(Box<dyn Runs>);
+
+/// What can be asked of a prepared run, whatever its method and axes.
+pub(super) trait Runs: Send + Sync {
+    /// The simulation.
+    fn simulation(&self) -> &Simulation;
+    /// Tension of a default beat relative to that of the parameters that are scaled to the peak tension.
+    fn strength(&self) -> f64;
+    /// Runs to the end or to the first fault.
+    fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome;
+    /// Why a path ends before the peak of tension, if it does.
+    fn end(&self) -> Option<&PathError> {
+        None
+    }
+    /// Whether what takes time is done, so that the run takes none.
+    fn is_solved(&self) -> bool {
+        false
+    }
+    /// The motion of a run in time.
+    fn motion(&self) -> Option<Motion<'_>> {
+        None
+    }
+}
+
+/// How a run in time moves the masses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion<'a> {
+    /// Mechanical steps in each exchange interval.
+    pub steps_per_exchange: usize,
+    /// The engine.
+    pub engine: &'a EngineUsed,
+    /// Why the masses are not at rest under the tension before the first beat, and start from the shape without tension.
+    pub not_at_rest: Option<&'a str>,
+}
+
+impl<const D: usize, const N: usize> Runs for Prepared<D, N>
+where
+    Simulation: Space<D, N>,
+{
+    fn simulation(&self) -> &Simulation {
+        &self.setup.simulation
+    }
+
+    fn strength(&self) -> f64 {
+        self.setup.strength
+    }
+
+    fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
+        self.run_observed(observer)
+    }
+
+    fn motion(&self) -> Option<Motion<'_>> {
+        Some(Motion {
+            steps_per_exchange: self.steps_per_exchange,
+            engine: self.engine(),
+            not_at_rest: self.not_at_rest.as_deref(),
+        })
+    }
+}
+
+impl<const D: usize, const N: usize> Runs for PreparedPath<D, N>
+where
+    Simulation: Space<D, N>,
+{
+    fn simulation(&self) -> &Simulation {
+        &self.setup.simulation
+    }
+
+    fn strength(&self) -> f64 {
+        self.setup.strength
+    }
+
+    fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
+        self.run_observed(observer)
+    }
+
+    fn end(&self) -> Option<&PathError> {
+        self.end()
+    }
+
+    fn is_solved(&self) -> bool {
+        true
+    }
+}
+
+impl<const D: usize, const N: usize> Runs for PreparedField<D, N>
+where
+    Simulation: Space<D, N>,
+{
+    fn simulation(&self) -> &Simulation {
+        &self.setup.simulation
+    }
+
+    fn strength(&self) -> f64 {
+        self.setup.strength
+    }
+
+    fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
+        self.run_observed(observer)
+    }
 }
 
 impl Simulation {
@@ -45,48 +140,69 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn build(&self) -> Result<Ready, SetupError> {
+        match &self.thick {
+            None => self.built::<2, 3>(),
+            Some(_) => self.built::<3, 4>(),
+        }
+    }
+
+    fn built<const D: usize, const N: usize>(&self) -> Result<Ready, SetupError>
+    where
+        Self: Space<D, N>,
+    {
         Ok(match self.numerics.method {
-            Method::Verlet(_) => Ready::InTime(self.prepare()?),
+            Method::Verlet(_) => Ready::of(self.in_time::<D, N>()?),
             Method::QuasiStatic if self.has_sites_in_triangles() => {
-                Ready::FromRestToRest(self.prepare_field(Tolerance::default())?)
+                Ready::of(self.field::<D, N>(Tolerance::default())?)
             }
-            Method::QuasiStatic => {
-                Ready::AlongPath(self.prepare_quasi_static(Tolerance::default())?)
-            }
+            Method::QuasiStatic => self.prepare_quasi_static(Tolerance::default())?,
         })
     }
 }
 
 impl Ready {
-    pub(super) fn setup(&self) -> &Setup {
-        match self {
-            Self::InTime(prepared) => &prepared.setup,
-            Self::AlongPath(prepared) => &prepared.setup,
-            Self::FromRestToRest(prepared) => &prepared.setup,
-        }
+    pub(super) fn of(run: impl Runs + 'static) -> Self {
+        Self(Box::new(run))
+    }
+
+    pub(super) fn simulation(&self) -> &Simulation {
+        self.0.simulation()
+    }
+
+    /// Why the path of equilibria ends before the peak of tension, if it does.
+    pub fn end(&self) -> Option<&PathError> {
+        self.0.end()
+    }
+
+    /// Whether the path of equilibria is solved, so that the run itself takes hardly any time.
+    pub fn is_solved(&self) -> bool {
+        self.0.is_solved()
+    }
+
+    /// How the masses move, if the run is in time.
+    pub fn motion(&self) -> Option<Motion<'_>> {
+        self.0.motion()
     }
 
     /// Warnings before a run.
     pub fn warnings(&self) -> Vec<String> {
-        let setup = self.setup();
         let mut warnings = Vec::new();
-        if let Self::InTime(prepared) = self
-            && let EngineUsed::Plain { instead_of_fused: Some(hindrance) } = prepared.engine()
+        if let Some(Motion {
+            engine: EngineUsed::Plain { instead_of_fused: Some(hindrance) }, ..
+        }) = self.motion()
         {
             warnings.push(format!(
                 "the plain loops move the masses, several times slower than the fused kernel, which does not \
                  serve {hindrance}"
             ));
         }
-        if let Self::InTime(prepared) = self
-            && let Some(cause) = &prepared.not_at_rest
-        {
+        if let Some(Motion { not_at_rest: Some(cause), .. }) = self.motion() {
             warnings.push(format!(
                 "the run begins in the shape without tension, though the cell has tension at rest: it jerks at the start, \
                  which can make the first beat's rates too large. Its shape at rest was not found: {cause}"
             ));
         }
-        let (strength, simulation) = (setup.strength, &setup.simulation);
+        let (strength, simulation) = (self.0.strength(), self.simulation());
         if !ORDINARY.contains(&strength) {
             warnings.push(format!(
                 "the cell model's parameters make a default beat {strength:.3} times as strong as the \
@@ -107,15 +223,11 @@ impl Ready {
 
     /// As [`Ready::run`], for an observer that is also called when a part of the work begins.
     pub fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
-        match self {
-            Self::InTime(prepared) => prepared.run_observed(observer),
-            Self::AlongPath(prepared) => prepared.run_observed(observer),
-            Self::FromRestToRest(prepared) => prepared.run_observed(observer),
-        }
+        self.0.run_observed(observer)
     }
 }
 
-impl Setup {
+impl<const D: usize, const N: usize> Setup<D, N> {
     /// Times of the stimuli that fall within the run, ms.
     pub(super) fn stimulus_times(&self) -> Vec<f64> {
         let Simulation { duration, .. } = &self.simulation;

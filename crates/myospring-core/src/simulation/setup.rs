@@ -3,16 +3,16 @@
 use super::check::check_strongest;
 use super::gauges::Gauges;
 use super::shared_cell::SharedCell;
+use super::space::Space;
 use super::{SetupError, Simulation};
-use crate::analysis::shape::{self, ShapeMeter};
+use crate::analysis::shape::{self, Extent, ShapeMeter};
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::SolveError;
 use crate::cell::{self, TensionKind};
 use crate::exchange::{Activation, ActivationBounds, ByTriangle, Sites, WholeCell};
 use crate::integrate::quasi_static::{Path, Tolerance};
-use crate::mechanics::active::{FibreStretch, Myofibrils};
+use crate::mechanics::active::FibreStretch;
 use crate::mechanics::loaded_end::LoadedEnd;
-use crate::mechanics::material::assemble;
 use crate::mechanics::support::{Attachment, Support, SupportKind};
 use crate::mechanics::{Body, Following, System, Tension, Vectors};
 use crate::mesh::ends::{end_nodes, end_zones};
@@ -21,17 +21,17 @@ use crate::mesh::{Simplex, SpringKind};
 use std::sync::Arc;
 
 /// The common start of every run.
-pub(super) struct Setup {
+pub(super) struct Setup<const D: usize = 2, const N: usize = 3> {
     pub(super) simulation: Simulation,
     pub(super) activation: Box<dyn Activation>,
-    pub(super) assembly: Arc<Assembly>,
+    pub(super) assembly: Arc<Assembly<D>>,
     /// Bounds of the activation.
     pub(super) strongest: ActivationBounds,
     /// Tension of a default beat relative to that of the parameters that are scaled to the peak tension.
     pub(super) strength: f64,
     /// The stretch of sites in the triangles.
-    pub(super) fibre_stretch: Option<FibreStretch>,
-    /// Resting volume of each triangle times its content of myofibrils, up to the thickness, um^2.
+    pub(super) fibre_stretch: Option<FibreStretch<D, N>>,
+    /// Resting volume of each triangle times its content of myofibrils, up to the thickness, um^2; of a tetrahedron um^3.
     pub(super) volumes: Vec<f64>,
 }
 
@@ -46,9 +46,9 @@ struct Strength {
 }
 
 /// The mesh with its forces and meter.
-pub(super) struct Assembly {
-    pub(super) body: Body,
-    pub(super) system: System,
+pub(super) struct Assembly<const D: usize = 2> {
+    pub(super) body: Body<D>,
+    pub(super) system: System<D>,
     pub(super) meter: ShapeMeter,
     pub(super) resting_length: f64,
     /// Length before the first beat, um: the resting one unless the ends are held stretched.
@@ -58,15 +58,30 @@ pub(super) struct Assembly {
     pub(super) gauges: Gauges,
 }
 
-impl Assembly {
+impl<const D: usize> Assembly<D> {
     /// Mean stretch of the cell between the clamps, at this length (um).
     pub(super) fn stretch(&self, length: f64) -> f64 {
         (length - self.gripped_length) / (self.resting_length - self.gripped_length)
     }
+
+    /// Length along and width across the long axis, um, of a body seen from above.
+    pub(super) fn measure(&self, positions: &Vectors<D>) -> Extent {
+        self.meter.measure(plane(positions))
+    }
+}
+
+/// Positions along the first two axes.
+fn plane<const D: usize>(positions: &Vectors<D>) -> &Vectors {
+    let plane = positions.first_chunk();
+    plane.unwrap_or_else(|| unreachable!("a body has two axes or more"))
 }
 
 impl Simulation {
-    pub(super) fn set_up(&self) -> Result<Setup, SetupError> {
+    /// Checks all settings and prepares the forces and the activation.
+    pub(super) fn set_up<const D: usize, const N: usize>(&self) -> Result<Setup<D, N>, SetupError>
+    where
+        Self: Space<D, N>,
+    {
         self.check()?;
         self.interruption.check()?;
         let assembly = Arc::new(self.assembled_at_rest()?);
@@ -74,13 +89,17 @@ impl Simulation {
     }
 
     /// As [`Simulation::set_up`], after its checks, on forces that are already assembled, with what is known of the cell.
-    pub(super) fn set_up_on(
+    pub(super) fn set_up_on<const D: usize, const N: usize>(
         &self,
-        assembly: Arc<Assembly>,
+        assembly: Arc<Assembly<D>>,
         known: &SharedCell,
-    ) -> Result<Setup, SetupError> {
+    ) -> Result<Setup<D, N>, SetupError>
+    where
+        Self: Space<D, N>,
+    {
         self.interruption.check()?;
-        let (activation, strength) = self.activation(known)?;
+        let volumes = self.volumes::<D, N>();
+        let (activation, strength) = self.activation::<D, N>(known, &volumes)?;
         let strongest = activation.strongest();
         check_strongest(strongest)?;
         let field = matches!(activation.sites(), Sites::PerElement(_));
@@ -89,14 +108,21 @@ impl Simulation {
             assembly,
             strongest,
             strength,
-            fibre_stretch: field.then(|| FibreStretch::new(&self.mesh, &self.fibres)),
-            volumes: self.volumes(),
+            fibre_stretch: field.then(|| FibreStretch::new(self.body_mesh(), &self.directions())),
+            volumes,
             simulation: self.clone(),
         })
     }
 
     /// The activation, and its strength relative to that which is scaled to the peak tension.
-    fn activation(&self, known: &SharedCell) -> Result<(Box<dyn Activation>, f64), SetupError> {
+    fn activation<const D: usize, const N: usize>(
+        &self,
+        known: &SharedCell,
+        volumes: &[f64],
+    ) -> Result<(Box<dyn Activation>, f64), SetupError>
+    where
+        Self: Space<D, N>,
+    {
         if let Some(activation) = &self.activation {
             return Ok((activation.boxed(), 1.0));
         }
@@ -109,52 +135,67 @@ impl Simulation {
         let model = self.cell.clone();
         let settings = self.numerics.cell;
         let start = self.start_state.as_deref();
+        let resting = self.resting_stretch.as_deref().map(|stretch| self.by_simplex(stretch));
         if self.has_sites_in_triangles() {
-            let protocols = self.protocols();
+            let protocols = self.protocols::<D, N>();
             let cells = ByTriangle::new(model, start, &protocols, settings, scale);
             let cells = cells.map_err(failed)?;
-            let cells = match &self.resting_stretch {
-                Some(stretch) => cells.at_resting_stretch(stretch).map_err(failed)?,
+            let cells = match resting {
+                Some(stretch) => cells.at_resting_stretch(&stretch).map_err(failed)?,
                 None => cells,
             };
             return Ok((Box::new(cells), relative));
         }
+        // The mean over the volume of the myofibrils.
+        let resting = resting.map_or(1.0, |stretch| {
+            let sum: f64 = stretch.iter().zip(volumes).map(|(stretch, volume)| stretch * volume).sum();
+            sum / volumes.iter().sum::<f64>()
+        });
         let cell = WholeCell::new(model, start, self.protocol, settings, scale, strongest);
-        let cell = cell.map_err(failed)?.at_resting_stretch(self.mean_resting_stretch());
+        let cell = cell.map_err(failed)?.at_resting_stretch(resting);
         Ok((Box::new(cell.along(&known.course)), relative))
     }
 
     /// The protocol of each triangle: if the stimulus travels, it starts when it arrives.
-    fn protocols(&self) -> Vec<Protocol> {
+    fn protocols<const D: usize, const N: usize>(&self) -> Vec<Protocol>
+    where
+        Self: Space<D, N>,
+    {
+        let mesh = self.body_mesh();
         let Some(speed) = self.wave_speed else {
-            return vec![self.protocol; self.mesh.simplices.len()];
+            return vec![self.protocol; mesh.simplices.len()];
         };
-        let along = |[x, y]: [f64; 2]| x * self.long_axis[0] + y * self.long_axis[1];
-        let points = (0..self.mesh.len()).map(|node| along(self.mesh.point(node)));
+        let along =
+            |point: [f64; D]| point[0] * self.long_axis[0] + point[1] * self.long_axis[1];
+        let points = (0..mesh.len()).map(|node| along(mesh.point(node)));
         let start = points.fold(f64::INFINITY, f64::min);
-        let triangles = self.mesh.simplices.iter().map(|triangle| self.mesh.centre(triangle));
+        let triangles = mesh.simplices.iter().map(|triangle| mesh.centre(triangle));
         let delay = |centre| (along(centre) - start) / speed;
         let delayed =
             |centre| Protocol { start_ms: self.protocol.start_ms + delay(centre), ..self.protocol };
         triangles.map(delayed).collect()
     }
 
-    /// Mean over the volume of the myofibrils.
+    /// Mean stretch at rest over the volume of the myofibrils.
     pub(super) fn mean_resting_stretch(&self) -> f64 {
         let Some(stretch) = &self.resting_stretch else { return 1.0 };
-        let volumes = self.volumes();
+        let volumes = self.volumes::<2, 3>();
         let sum: f64 = stretch.iter().zip(&volumes).map(|(stretch, volume)| stretch * volume).sum();
         sum / volumes.iter().sum::<f64>()
     }
 
-    /// Resting volume of each triangle times its content of myofibrils, up to the thickness, um^2.
-    fn volumes(&self) -> Vec<f64> {
-        let content =
-            |element: usize| self.myofibril_content.as_ref().map_or(1.0, |it| it[element]);
-        let volume = |(element, simplex): (usize, &Simplex<3>)| {
-            simplex.weight * measure_at(&self.mesh.points, simplex.nodes) * content(element)
+    /// Resting volume of each triangle times its content of myofibrils, up to the thickness, um^2; of a tetrahedron um^3.
+    fn volumes<const D: usize, const N: usize>(&self) -> Vec<f64>
+    where
+        Self: Space<D, N>,
+    {
+        let mesh = self.body_mesh();
+        let content = self.myofibril_content.as_deref().map(|content| self.by_simplex(content));
+        let content = |element: usize| content.as_ref().map_or(1.0, |it| it[element]);
+        let volume = |(element, simplex): (usize, &Simplex<N>)| {
+            simplex.weight * measure_at(&mesh.points, simplex.nodes) * content(element)
         };
-        self.mesh.simplices.iter().enumerate().map(volume).collect()
+        mesh.simplices.iter().enumerate().map(volume).collect()
     }
 
     /// How strong the cell model is. With published parameters this needs no beat; tension in kPa
@@ -181,52 +222,59 @@ impl Simulation {
     }
 
     /// As [`Simulation::assembled`], in equilibrium with the held ends.
-    pub(super) fn assembled_at_rest(&self) -> Result<Assembly, SetupError> {
+    pub(super) fn assembled_at_rest<const D: usize, const N: usize>(
+        &self,
+    ) -> Result<Assembly<D>, SetupError>
+    where
+        Self: Space<D, N>,
+    {
         let mut assembly = self.assembled();
         if self.end_stretch == 1.0 {
             return Ok(assembly);
         }
-        let Assembly { body, system, meter, .. } = &mut assembly;
+        let Assembly { body, system, .. } = &mut assembly;
         body.positions = self.drawn_out(self.end_stretch);
         let tolerance = Tolerance::default();
         let path = Path::start(system, body, tolerance, &self.interruption)?;
         let rest = path.positions(0.0).unwrap_or_else(|| body.positions.clone());
-        assembly.held_length = meter.measure(&rest).length;
+        assembly.held_length = assembly.measure(&rest).length;
         assembly.body.positions = rest;
         Ok(assembly)
     }
 
     /// Resting positions with the rigid ends moved apart and the cell between them stretched
     /// uniformly, um.
-    pub(super) fn drawn_out(&self, stretch: f64) -> Vectors {
-        let axis = self.long_axis;
-        let points = &self.mesh.points;
+    pub(super) fn drawn_out<const D: usize, const N: usize>(&self, stretch: f64) -> Vectors<D>
+    where
+        Self: Space<D, N>,
+    {
+        let (axis, mesh) = (self.axis(), self.body_mesh());
+        let points = &mesh.points;
         let along: Vec<f64> =
             points[0].iter().zip(&points[1]).map(|(x, y)| x * axis[0] + y * axis[1]).collect();
-        let [[_, low], [high, _]] = end_zones(&self.mesh, axis);
-        let apart = (stretch - 1.0) * shape::extent(points, axis);
+        let [[_, low], [high, _]] = end_zones(mesh, axis);
+        let apart = (stretch - 1.0) * shape::extent(plane(points), self.long_axis);
         let shift = |s: f64| apart * (((s - low) / (high - low)).clamp(0.0, 1.0) - 0.5);
         let moved =
             |k: usize| points[k].iter().zip(&along).map(|(x, s)| x + shift(*s) * axis[k]).collect();
-        [moved(0), moved(1)]
+        std::array::from_fn(moved)
     }
 
     /// The cell that has left its stop under the load of an afterloaded contraction; `held` is it before.
-    pub(super) fn loaded(&self, held: &Assembly) -> Option<Assembly> {
+    pub(super) fn loaded<const D: usize, const N: usize>(
+        &self,
+        held: &Assembly<D>,
+    ) -> Option<Assembly<D>>
+    where
+        Self: Space<D, N>,
+    {
         let SupportKind::AfterloadedEnds { load } = self.support else { return None };
         let Assembly { meter, resting_length, held_length, gripped_length, gauges, .. } = held;
-        let (mut body, mut system) = assemble(
-            &self.mesh,
-            &self.material,
-            self.active,
-            Myofibrils { directions: &self.fibres, content: self.myofibril_content.as_deref() },
-            SupportKind::ClampedEnd,
-            self.long_axis,
-            *resting_length,
-        );
+        let (mut body, mut system) =
+            Space::assemble(self, SupportKind::ClampedEnd.into(), *resting_length);
         body.positions.clone_from(&held.body.positions);
         let spring = self.material.spring_stiffness(SpringKind::Axial);
-        let grip = LoadedEnd::new(&self.mesh, self.long_axis, &body.positions, spring, load);
+        let grip = LoadedEnd::new(self.body_mesh(), self.axis(), &body.positions, spring, load);
         system.passive.push(Box::new(grip));
         let (meter, gauges) = (meter.clone(), gauges.clone());
         Some(Assembly {
@@ -240,28 +288,25 @@ impl Simulation {
         })
     }
 
-    /// The body at rest and all forces on it, for direct use.
+    /// The body at rest and all forces on it, for direct use; of a thick cell as if it were flat.
     pub fn mechanics(&self) -> (Body, System) {
-        let Assembly { body, system, .. } = self.assembled();
+        let Assembly { body, system, .. } = self.assembled::<2, 3>();
         (body, system)
     }
 
-    pub(super) fn assembled(&self) -> Assembly {
-        let resting_length = shape::extent(&self.mesh.points, self.long_axis);
-        let (body, system) = assemble(
-            &self.mesh,
-            &self.material,
-            self.active,
-            Myofibrils { directions: &self.fibres, content: self.myofibril_content.as_deref() },
-            Attachment { support: self.support, adhesion: self.adhesion.as_deref() },
-            self.long_axis,
-            resting_length,
-        );
+    pub(super) fn assembled<const D: usize, const N: usize>(&self) -> Assembly<D>
+    where
+        Self: Space<D, N>,
+    {
+        let mesh = self.body_mesh();
+        let resting_length = shape::extent(plane(&mesh.points), self.long_axis);
+        let attachment = Attachment { support: self.support, adhesion: self.adhesion.as_deref() };
+        let (body, system) = Space::assemble(self, attachment, resting_length);
         // A free cell rotates with its mass; a cell with both ends clamped cannot rotate. A cell
         // clamped at one end swings aside as a whole.
-        let areas = self.mesh.areas.clone();
-        let meter = ShapeMeter::new(self.mesh.points.clone(), self.long_axis, areas.clone());
-        let depths = end_zones(&self.mesh, self.long_axis).map(|[from, to]| to - from);
+        let areas = mesh.areas.clone();
+        let meter = ShapeMeter::new(plane(&mesh.points).clone(), self.long_axis, areas.clone());
+        let depths = end_zones(mesh, self.axis()).map(|[from, to]| to - from);
         let gripped = match self.support {
             SupportKind::ClampedEnd => [depths[0], 0.0],
             SupportKind::ClampedEnds | SupportKind::AfterloadedEnds { .. } => depths,
@@ -283,18 +328,19 @@ impl Simulation {
             _ => meter,
         };
         let end = self.support.holds_both_ends().then(|| {
-            let [_, nodes] = end_nodes(&self.mesh, self.long_axis);
+            let [_, nodes] = end_nodes(mesh, self.axis());
             nodes
         });
         let adheres = system.compliance().is_some();
-        let gauges = Gauges { end, adheres, axis: self.long_axis };
+        let thickness = self.thickness().map(Arc::new);
+        let gauges = Gauges { thickness, end, adheres, axis: self.long_axis };
         let gripped_length = gripped[0] + gripped[1];
         let held_length = resting_length;
         Assembly { body, system, meter, resting_length, held_length, gripped_length, gauges }
     }
 }
 
-impl Setup {
+impl<const D: usize, const N: usize> Setup<D, N> {
     /// The sites of the activation.
     pub(super) fn sites(&self) -> Sites {
         self.activation.sites()

@@ -4,9 +4,10 @@
 use super::equilibria::Equilibria;
 use super::quasi_static::PreparedPath;
 use super::shared_cell::SharedCell;
-use super::{SettingError, SetupError, Simulation};
+use super::space::Space;
+use super::{Ready, SettingError, SetupError, Simulation};
 use crate::integrate::quasi_static::Tolerance;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// One mesh with its forces, and its path of equilibria as far as its runs have needed it; with it the course of the last
 /// cell, unless that feels stretch.
@@ -15,8 +16,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// cell, so a run has the same bits as without sharing.
 pub struct SharedPath {
     simulation: Simulation,
-    solved: Mutex<Equilibria>,
+    solved: Solved,
     cell: Mutex<SharedCell>,
+}
+
+/// The equilibria of a flat cell, or of a thick one.
+enum Solved {
+    Flat(Mutex<Equilibria>),
+    Thick(Mutex<Equilibria<3, 4>>),
 }
 
 impl Simulation {
@@ -42,7 +49,10 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn shared_path(&self, tolerance: Tolerance) -> Result<SharedPath, SetupError> {
-        let solved = Mutex::new(self.equilibria_at_rest(tolerance)?);
+        let solved = match &self.thick {
+            None => Solved::Flat(Mutex::new(self.equilibria_at_rest(tolerance)?)),
+            Some(_) => Solved::Thick(Mutex::new(self.equilibria_at_rest(tolerance)?)),
+        };
         let cell = Mutex::new(SharedCell::of(self));
         Ok(SharedPath { simulation: self.clone(), solved, cell })
     }
@@ -53,7 +63,7 @@ impl SharedPath {
     ///
     /// # Errors
     /// As [`Simulation::prepare_quasi_static`]; other mechanics than the shared ones.
-    pub fn prepare(&self, simulation: &Simulation) -> Result<PreparedPath, SetupError> {
+    pub fn prepare(&self, simulation: &Simulation) -> Result<Ready, SetupError> {
         simulation.check()?;
         if !self.has_mechanics_of(simulation) {
             return Err(SetupError::Setting(SettingError::Conflict {
@@ -62,12 +72,11 @@ impl SharedPath {
                 because: "its shapes are those of its own mechanics; take Simulation::build",
             }));
         }
-        let assembly = Arc::clone(&self.solved().held.assembly);
-        let setup = simulation.set_up_on(assembly, &self.cell_of(simulation))?;
-        setup.check_path()?;
-        let mut solved = self.solved();
-        solved.extend_to(simulation, setup.peak())?;
-        Ok(PreparedPath { setup, equilibria: solved.clone() })
+        let cell = self.cell_of(simulation);
+        Ok(match &self.solved {
+            Solved::Flat(solved) => Ready::of(prepared(solved, simulation, &cell)?),
+            Solved::Thick(solved) => Ready::of(prepared(solved, simulation, &cell)?),
+        })
     }
 
     /// Returns this path where it has the mechanics of a simulation, and else a new one, which takes over what is known of
@@ -95,14 +104,12 @@ impl SharedPath {
         cell.clone()
     }
 
-    fn solved(&self) -> MutexGuard<'_, Equilibria> {
-        self.solved.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Whether the mechanics of a simulation are the shared ones.
     fn has_mechanics_of(&self, other: &Simulation) -> bool {
         let own = &self.simulation;
         own.mesh == other.mesh
+            && own.thick == other.thick
+            && own.helix_angle == other.helix_angle
             && own.long_axis == other.long_axis
             && own.fibres == other.fibres
             && own.myofibril_content == other.myofibril_content
@@ -112,4 +119,22 @@ impl SharedPath {
             && own.adhesion == other.adhesion
             && own.end_stretch == other.end_stretch
     }
+}
+
+/// A run on shared equilibria, which are extended if needed.
+fn prepared<const D: usize, const N: usize>(
+    solved: &Mutex<Equilibria<D, N>>,
+    simulation: &Simulation,
+    cell: &SharedCell,
+) -> Result<PreparedPath<D, N>, SetupError>
+where
+    Simulation: Space<D, N>,
+{
+    let solved = || solved.lock().unwrap_or_else(PoisonError::into_inner);
+    let assembly = Arc::clone(&solved().held.assembly);
+    let setup = simulation.set_up_on(assembly, cell)?;
+    setup.check_path()?;
+    let mut solved = solved();
+    solved.extend_to(simulation, setup.peak())?;
+    Ok(PreparedPath { setup, equilibria: solved.clone() })
 }

@@ -4,6 +4,7 @@ use super::check::SettingError;
 use crate::integrate::engine::EngineError;
 use crate::integrate::quasi_static::PathError;
 use crate::interruption::Interrupted;
+use crate::mesh::Place;
 use serde::{Deserialize, Serialize};
 
 /// Why a run cannot start.
@@ -18,7 +19,7 @@ pub enum SetupError {
     /// The time step is unstable.
     #[error(
         "time step {time_step} ms exceeds the stability limit {limit:.4} ms of this mesh (stiffest node \
-         {node} at x = {x:.1} um, y = {y:.1} um); use a smaller step, or none for the default"
+         {node} at {place}); use a smaller step, or none for the default"
     )]
     UnstableStep {
         /// The requested time step, ms.
@@ -27,10 +28,8 @@ pub enum SetupError {
         limit: f64,
         /// The node that moves most in the fastest vibration.
         node: usize,
-        /// Where it rests, um.
-        x: f64,
-        /// Where it rests, um.
-        y: f64,
+        /// Where it rests.
+        place: Place,
     },
     /// There is no path of equilibria.
     #[error("no quasi-static run: {0}")]
@@ -69,41 +68,37 @@ impl From<Interrupted> for SetupError {
 pub enum StopReason {
     /// A position is not a number.
     #[error(
-        "the position of node {node} is not a number at t = {time} ms (it rests at x = {x:.1} um, \
-         y = {y:.1} um); lower the tension or the area modulus, or take a smaller time step"
+        "the position of node {node} is not a number at t = {time} ms (it rests at {place}); lower the tension or the area modulus, or take a smaller time step"
     )]
     NotFinite {
         /// Time, ms.
         time: f64,
         /// The node.
         node: usize,
-        /// Where it rests, um.
-        x: f64,
-        /// Where it rests, um.
-        y: f64,
+        /// Where it rests.
+        #[serde(flatten)]
+        place: Place,
     },
     /// A triangle turned inside out.
     #[error(
-        "triangle {triangle} is inverted at t = {time} ms under {tension:.1} kPa, near x = {x:.1} um, \
-         y = {y:.1} um: the forces are too strong for this lattice; lower the tension or the area modulus, \
-         or raise Young's modulus"
+        "{} {triangle} is inverted at t = {time} ms under {tension:.1} kPa, near {place}: the forces are too strong for this lattice; lower the tension or the area modulus, \
+         or raise Young's modulus",
+        if place.z.is_some() { "tetrahedron" } else { "triangle" }
     )]
     Inverted {
         /// Time, ms.
         time: f64,
         /// Active tension, kPa.
         tension: f64,
-        /// The triangle.
+        /// The triangle; in a thick cell, the tetrahedron.
         triangle: usize,
-        /// Where it is, um.
-        x: f64,
-        /// Where it is, um.
-        y: f64,
+        /// Where it is.
+        #[serde(flatten)]
+        place: Place,
     },
     /// Two ends of a spring met.
     #[error(
-        "spring {spring} has no length at t = {time} ms under {tension:.1} kPa, at x = {x:.1} um, \
-         y = {y:.1} um: the forces are too strong for this lattice; lower the tension or the area modulus, \
+        "spring {spring} has no length at t = {time} ms under {tension:.1} kPa, at {place}: the forces are too strong for this lattice; lower the tension or the area modulus, \
          or raise Young's modulus"
     )]
     ZeroLength {
@@ -113,10 +108,9 @@ pub enum StopReason {
         tension: f64,
         /// The spring.
         spring: usize,
-        /// Where it is, um.
-        x: f64,
-        /// Where it is, um.
-        y: f64,
+        /// Where it is.
+        #[serde(flatten)]
+        place: Place,
     },
     /// The path of equilibria ends before this tension.
     #[error("the tension reaches {tension:.4} kPa at t = {time} ms, but {cause}")]

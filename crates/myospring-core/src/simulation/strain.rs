@@ -58,7 +58,7 @@ impl Ready {
         if longer < LITTLE_LONGER_PCT || longer < shortest.shortening_pct {
             return None;
         }
-        let angle = self.setup().simulation.mean_angle_to_axis().abs().to_degrees();
+        let angle = self.simulation().mean_angle_to_axis().abs().to_degrees();
         let why = if angle > 35.0 {
             format!(
                 "its fibres lie {angle:.0} degrees from its long axis on average, and what contracts across a cell \
@@ -75,7 +75,7 @@ impl Ready {
     }
 
     fn strained(&self, outcome: &Outcome) -> Option<String> {
-        let simulation = &self.setup().simulation;
+        let simulation = self.simulation();
         let frames = &outcome.recording.frames;
         let samples = outcome.recording.samples.iter();
         let changed =

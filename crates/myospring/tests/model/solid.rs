@@ -15,7 +15,7 @@ use myospring::mechanics::volume::VolumePreservation;
 use myospring::mechanics::{
     Body, Configuration, Following, Force, System, Tension, Vectors, zeros,
 };
-use myospring::mesh::{Mesh, bar, lattice};
+use myospring::mesh::{Mesh, cubes, lattice};
 use myospring::testing::force;
 use std::array::from_fn;
 
@@ -45,7 +45,7 @@ fn springs(mesh: &Mesh<3, 4>, stiffness: f64, damping: f64) -> Springs {
 
 /// A bar of 6 x 3 x 2 cubes of 2 um whose slowest vibration takes 1 ms.
 fn made(poisson: f64, fibre: [f64; 3]) -> (Mesh<3, 4>, Body<3>, System<3>) {
-    let mesh = bar::block([6, 3, 2], 2.0).unwrap();
+    let mesh = cubes::block([6, 3, 2], 2.0).unwrap();
     let density = YOUNG * (1.0_f64 / (2.0 * 12.0)).powi(2);
     let body = Body::at_rest(&mesh, density, 1.0);
     let [shear, kappa] = constants(poisson);
@@ -110,7 +110,7 @@ fn affine(mesh: &Mesh<3, 4>, positions: &Vectors<3>) -> ([[f64; 3]; 3], f64) {
 
 #[test]
 fn every_law_keeps_its_promises_with_three_axes() {
-    let mesh = bar::block([3, 2, 2], 1.0).unwrap();
+    let mesh = cubes::block([3, 2, 2], 1.0).unwrap();
     let scattered = |size: f64, seed: usize| -> Vectors<3> {
         from_fn(|axis| noise(mesh.len(), seed + axis).iter().map(|x| size * x).collect())
     };
@@ -239,7 +239,7 @@ fn a_bar_with_fibres_in_any_direction_stays_homogeneous_and_is_isotropic() {
 
 #[test]
 fn a_solid_whose_mass_centre_is_held_feels_no_force_and_no_torque() {
-    let mesh = bar::block([2, 2, 3], 1.0).unwrap();
+    let mesh = cubes::block([2, 2, 3], 1.0).unwrap();
     let mut forces: Vectors<3> = from_fn(|axis| noise(mesh.len(), 3 + axis));
     Support::MassCentre.constrain(&mesh.points, &mesh.areas, &mut forces);
     for axis in 0..3 {

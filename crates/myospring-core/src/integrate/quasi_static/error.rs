@@ -1,22 +1,19 @@
 //! Why a path of equilibria cannot start, and why it ends.
 
 use crate::interruption::Interrupted;
+use crate::mesh::Place;
 
 /// Where a cell gives way: the node that moves most in its softest deformation at the end of the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeakPlace {
     /// The node.
     pub node: usize,
-    /// Its x at the last equilibrium, um.
-    pub x: f64,
-    /// Its y at the last equilibrium, um.
-    pub y: f64,
+    /// Where it is at the last equilibrium.
+    pub place: Place,
 }
 
 fn words(place: Option<&WeakPlace>) -> String {
-    place.map_or_else(String::new, |WeakPlace { node, x, y }| {
-        format!(" near x = {x:.1} um, y = {y:.1} um (node {node})")
-    })
+    place.map_or_else(String::new, |WeakPlace { node, place }| format!(" near {place} (node {node})"))
 }
 
 impl From<Interrupted> for PathError {
