@@ -29,6 +29,7 @@ pub mod summary;
 pub mod tension;
 #[cfg(test)]
 mod tests;
+pub mod thickness;
 pub mod trace;
 pub mod transient;
 

@@ -146,11 +146,6 @@ pub struct Recording<const D: usize = 2> {
 impl<const D: usize> Default for Recording<D> {
     /// An empty recording.
     fn default() -> Self {
-        Self {
-            samples: Vec::new(),
-            frames: Vec::new(),
-            in_space: Vec::new(),
-            signals: Vec::new(),
-        }
+        Self { samples: Vec::new(), frames: Vec::new(), in_space: Vec::new(), signals: Vec::new() }
     }
 }

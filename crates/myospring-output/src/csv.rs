@@ -182,7 +182,7 @@ pub fn read_traces(text: &str) -> Result<Recording, TracesError> {
         });
     }
     let signals = signals.into_iter().map(|(_, signal)| signal).collect();
-    Ok(Recording { samples, signals, frames: Vec::new() })
+    Ok(Recording { samples, signals, ..Recording::default() })
 }
 
 /// `Ca_i` in `uM` gives `Ca_i_uM`; `A/F` becomes `A_per_F`.

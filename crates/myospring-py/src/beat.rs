@@ -327,6 +327,7 @@ impl Beat {
             samples: recording.samples.clone(),
             signals: recording.signals.clone(),
             frames: frames.collect(),
+            in_space: recording.in_space.clone(),
             stop: stop.clone(),
             effort: *effort,
             engine: engine.clone(),
@@ -355,8 +356,12 @@ impl Beat {
                 positions,
             },
         );
-        let recording =
-            Recording { samples: state.samples, frames: frames.collect(), signals: state.signals };
+        let recording = Recording {
+            samples: state.samples,
+            frames: frames.collect(),
+            in_space: state.in_space,
+            signals: state.signals,
+        };
         let outcome = Outcome {
             recording,
             stop: state.stop,
@@ -419,6 +424,8 @@ struct State {
     samples: Vec<Sample>,
     signals: Vec<Signal>,
     frames: Vec<Shape>,
+    #[serde(default)]
+    in_space: Vec<[Vec<f64>; 3]>,
     stop: Option<StopReason>,
     effort: Effort,
     engine: Option<EngineUsed>,

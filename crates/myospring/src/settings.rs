@@ -55,7 +55,8 @@ pub use run::{DrivenError, MakeError, MeshedRun, Places, Run};
 pub use sarcomeres::{SARCOMERE_ENDINGS, SarcomereError};
 pub use setting::{CommandOption, Get, Named, Set, Setting, ValueKind};
 pub use shape::{
-    OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped, Source,
+    Meshed, OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped,
+    Source,
 };
 pub use steady::CacheError;
 pub use tension::{TENSION_ENDINGS, TensionError};

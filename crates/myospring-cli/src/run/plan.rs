@@ -9,7 +9,7 @@ use myospring::experiment::run::{self, Output, PreparedRun, resolved};
 use myospring::mesh::quality::MeshReport;
 use myospring::output::json;
 use myospring::settings::{FibreReport, Run};
-use myospring::simulation::{Effort, Ready};
+use myospring::simulation::Effort;
 use serde::Serialize;
 use std::path::Path;
 
@@ -43,9 +43,7 @@ pub(super) fn plan(
     let of_picture = made.picture.is_some().then(|| made.fibres.report());
     let fibres = of_picture.as_ref();
     let run::RunPlan { effort, spring_updates, estimated_s } = prepared.plan();
-    if let Ready::AlongPath(path) = &prepared.ready
-        && let Some(end) = path.end()
-    {
+    if let Some(end) = prepared.ready.end() {
         print::warn(&format!("the run will stop early: {end}"));
     }
     let plan = Plan {

@@ -5,7 +5,8 @@ use super::pulse::{Pulse, Top};
 use super::rows::{Context, recorded, row};
 use super::s2::{self, S1S2};
 use super::{
-    Metric, Missing, action_potential, contraction, load, reading, rest, tension, trace, value,
+    Metric, Missing, action_potential, contraction, load, reading, rest, tension, thickness, trace,
+    value,
 };
 use crate::recording::{CALCIUM, END_FORCE, Recording, STEEPEST_RISE, Sample};
 use serde::Serialize;
@@ -121,7 +122,8 @@ fn beat(recording: &Recording, window: &Window, captured: Option<bool>) -> Beat 
     let own = trace::twitch(&times, &active, stimulus);
     let tension = tension(&times[own.clone()], &active[own], stimulus, rest, &contraction);
     let at_rest = |read| trace::baseline(&times, &column(read), stimulus);
-    let shape = shape(samples, &at_rest, &contraction);
+    let mut shape = shape(samples, &at_rest, &contraction);
+    shape.extend(thickness::metrics(&times, signal, stimulus));
     let mut load = signal(END_FORCE)
         .map_or_else(Vec::new, |force| load::metrics(&times, &lengths, force, stimulus));
     load.extend(load::on_gel(&times, signal, stimulus));
@@ -216,7 +218,8 @@ pub(super) fn s2_beat(
         rest(&lengths),
         rest::BEFORE_S1,
     );
-    let shape = shape(&samples[within], &|read| rest(&column(read)), &contraction);
+    let mut shape = shape(&samples[within], &|read| rest(&column(read)), &contraction);
+    shape.extend(thickness::metrics(&times, |name| values_of(recording, name), s2_ms));
     let active = column(|s| s.ta_kpa);
     let within = of(&active);
     let tension = tension(

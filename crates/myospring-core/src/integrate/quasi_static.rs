@@ -243,8 +243,8 @@ impl<'a, const D: usize> Path<'a, D> {
             if let Some(failure) = failure {
                 let Knot { tension, positions, .. } = self.last(side).clone();
                 let softest = self.solver.softest_node(&positions, tension.into());
-                let place = softest
-                    .map(|node| WeakPlace { node, place: Place::of(&positions, node) });
+                let place =
+                    softest.map(|node| WeakPlace { node, place: Place::of(&positions, node) });
                 let tensions = [tension, tension + direction * step];
                 return Err(ending(failure, self.solver.body(), tensions, place));
             }

@@ -34,6 +34,7 @@ use crate::mesh::ends::end_zones;
 use crate::mesh::{Lattice, Mesh, SpringKind};
 use convolution::Convolution;
 use green::Green;
+use std::array::from_fn;
 use std::f64::consts::PI;
 use std::sync::{Mutex, PoisonError};
 
@@ -42,75 +43,95 @@ const SOLVED: f64 = 1e-10;
 /// Largest number of rounds of conjugate gradients; some 30 are enough.
 const ROUNDS: usize = 1000;
 
+/// A node by which a cell lies on a gel, and its area there, um^2.
+type Contact = (usize, f64);
+
 impl Adhesion {
-    /// The nodes where it lets a mesh adhere whose long axis is the unit vector `axis`.
-    fn nodes(self, mesh: &Mesh, axis: [f64; 2]) -> Vec<usize> {
-        let all = 0..mesh.len();
+    /// Those of the nodes by which a mesh lies on a gel where it adheres; its long axis is the unit vector `axis`.
+    fn among<const D: usize, const N: usize>(
+        self,
+        contacts: Vec<Contact>,
+        mesh: &Mesh<D, N>,
+        axis: [f64; D],
+    ) -> Vec<Contact> {
+        let all = contacts.into_iter();
         match self {
             Self::Everywhere => all.collect(),
             Self::Ends => {
                 let [[low, _], [_, high]] = end_zones(mesh, axis);
                 let depth = ADHERING_END * (high - low);
                 let along = |node: usize| {
-                    let [x, y] = mesh.point(node);
-                    x * axis[0] + y * axis[1]
+                    let point = mesh.point(node);
+                    point[0] * axis[0] + point[1] * axis[1]
                 };
-                all.filter(|&node| !(low + depth..=high - depth).contains(&along(node))).collect()
+                all.filter(|&(node, _)| !(low + depth..=high - depth).contains(&along(node)))
+                    .collect()
             }
             Self::Rim => {
-                let rim = rim(mesh);
+                let rim = rim(mesh, all.as_slice());
                 let near = |node: usize| {
-                    let [x, y] = mesh.point(node);
-                    rim.iter().any(|[p, q]| (x - p).hypot(y - q) <= ADHERING_RIM)
+                    let point = mesh.point(node);
+                    rim.iter().any(|[p, q]| (point[0] - p).hypot(point[1] - q) <= ADHERING_RIM)
                 };
-                all.filter(|&node| near(node)).collect()
+                all.filter(|&(node, _)| near(node)).collect()
             }
         }
     }
 }
 
 impl Gel {
-    /// The nodes of a mesh that adhere, in ascending order, where it adheres to each in proportion to the given number.
-    pub(crate) fn attached(
+    /// The nodes of a mesh that adhere, in ascending order, where it adheres to each in proportion to the given number, and the area of
+    /// each.
+    pub(crate) fn attached<const D: usize, const N: usize>(
         &self,
-        mesh: &Mesh,
-        axis: [f64; 2],
+        mesh: &Mesh<D, N>,
+        axis: [f64; D],
         adhesion: Option<&[f64]>,
-    ) -> Vec<usize> {
-        let mut nodes = self.adhesion.nodes(mesh, axis);
-        nodes.retain(|&node| adhesion.is_none_or(|adhesion| adhesion[node] > 0.0));
+    ) -> Vec<Contact> {
+        let mut nodes = self.adhesion.among(mesh.underside(), mesh, axis);
+        nodes.retain(|&(node, _)| adhesion.is_none_or(|adhesion| adhesion[node] > 0.0));
         nodes
     }
 }
 
 /// Places of the nodes on the rim, which have less than a whole square of the lattice.
-fn rim(mesh: &Mesh) -> Vec<[f64; 2]> {
-    let whole = mesh.areas.iter().copied().fold(0.0, f64::max);
-    let nodes = 0..mesh.len();
-    nodes.filter(|&node| mesh.areas[node] < 0.999 * whole).map(|node| mesh.point(node)).collect()
+fn rim<const D: usize, const N: usize>(mesh: &Mesh<D, N>, contacts: &[Contact]) -> Vec<[f64; 2]> {
+    let whole = contacts.iter().map(|(_, area)| *area).fold(0.0, f64::max);
+    let on_rim = contacts.iter().filter(|(_, area)| *area < 0.999 * whole);
+    on_rim
+        .map(|&(node, _)| {
+            let point = mesh.point(node);
+            [point[0], point[1]]
+        })
+        .collect()
 }
 
-/// A gel under one mesh.
-pub struct GelBed {
+/// A gel under one mesh: a flat one moves it in its plane, one with three axes also up and down.
+pub struct GelBed<const D: usize = 2> {
     gel: Gel,
-    /// That of the mesh, without its points.
-    lattice: Lattice,
+    /// Distance between places, um, and the place in the first column and row.
+    spacing: f64,
+    origin: [f64; 2],
+    /// Columns and rows.
+    shape: [usize; 2],
     /// The nodes that adhere, their places on the lattice, and where they are without force, um.
     nodes: Vec<usize>,
     places: Vec<[u32; 2]>,
-    rest: Vectors,
+    rest: Vectors<D>,
     /// Displacement per force of the adhesion of each, um/nN.
     slack: Vec<f64>,
     convolution: Convolution,
+    /// Of the displacements up and down.
+    normal: Option<Convolution>,
     /// Springs like the gel: stiffness (nN/um) to the resting place, of each node, and between neighbours, by their places
     /// in `nodes`.
     anchors: Vec<f64>,
     ties: Vec<([usize; 2], f64)>,
     /// The last forces, with the displacements that they belong to: force and energy are asked for at the same place.
-    last: Mutex<Option<(Vectors, Vectors)>>,
+    last: Mutex<Option<(Vectors<D>, Vectors<D>)>>,
 }
 
-impl GelBed {
+impl<const D: usize> GelBed<D> {
     /// A gel under a mesh whose long axis is the unit vector `axis`.
     ///
     /// # Errors
@@ -130,7 +151,11 @@ impl GelBed {
     /// assert!(tractions.iter().sum::<f64>().abs() < 1e-6);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn new(gel: Gel, mesh: &Mesh, axis: [f64; 2]) -> Result<Self, GelError> {
+    pub fn new<const N: usize>(
+        gel: Gel,
+        mesh: &Mesh<D, N>,
+        axis: [f64; D],
+    ) -> Result<Self, GelError> {
         Self::adhering(gel, mesh, axis, None)
     }
 
@@ -139,27 +164,31 @@ impl GelBed {
     ///
     /// # Errors
     /// Those of [`Gel::check`].
-    pub fn adhering(
+    pub fn adhering<const N: usize>(
         gel: Gel,
-        mesh: &Mesh,
-        axis: [f64; 2],
+        mesh: &Mesh<D, N>,
+        axis: [f64; D],
         adhesion: Option<&[f64]>,
     ) -> Result<Self, GelError> {
         let lattice = mesh.lattice.as_ref().ok_or(GelError::NoLattice)?;
-        let Lattice { spacing, shape, cells, .. } = lattice;
+        let Lattice { spacing, shape, cells, origin } = lattice;
+        let (shape, origin) = ([shape[0], shape[1]], [origin[0], origin[1]]);
         gel.check(mesh)?;
         let green = Green::new(gel, *spacing);
-        let convolution = Convolution::new(&green, *spacing, *shape);
-        let nodes = gel.attached(mesh, axis, adhesion);
+        let convolution = Convolution::new(&green, *spacing, shape);
+        let normal = (D > 2).then(|| Convolution::normal(&green, *spacing, shape));
+        let contacts = gel.attached(mesh, axis, adhesion);
         let of_one = |node: usize| adhesion.map_or(1.0, |adhesion| adhesion[node]);
         let mut number = vec![None; mesh.len()];
-        for (place, &node) in nodes.iter().enumerate() {
+        for (place, &(node, _)) in contacts.iter().enumerate() {
             number[node] = Some(place);
         }
         let axial = mesh.springs.iter().filter(|spring| spring.kind == SpringKind::Axial);
         let pairs =
             axial.map(|spring| (spring.nodes.map(|node| number[node as usize]), spring.share));
-        let pairs = pairs.filter_map(|([a, b], share)| Some(([a?, b?], share)));
+        // Below a thick cell there are squares on both sides of a spring, but cubes only above.
+        let whole = if D > 2 { 0.5 } else { 1.0 };
+        let pairs = pairs.filter_map(|([a, b], share)| Some(([a?, b?], share / whole)));
         // Anchors and ties resist waves with `a + b k^2`. The gel resists them with a concave function of `k^2`, which lies
         // above its chord between the longest and the shortest waves of the lattice.
         let longest = shape.iter().copied().max().unwrap_or(1).max(2) as f64 * spacing;
@@ -173,29 +202,34 @@ impl GelBed {
             gel.adhesion_stiffness.map_or(1.0, |k| 1.0 / (1.0 + stiff / k * more))
         };
         let [own, ..] = green.at(0.0, 0.0);
-        let slack = |&node: &usize| {
+        let slack = |&(node, area): &Contact| {
             // A node on the rim has a part of a square, in which its force moves the gel further.
-            let part = (mesh.areas[node] / (spacing * spacing)).sqrt();
+            let part = (area / (spacing * spacing)).sqrt();
             let of_adhesion =
-                gel.adhesion_stiffness.map_or(0.0, |k| 1.0 / (k * of_one(node) * mesh.areas[node]));
+                gel.adhesion_stiffness.map_or(0.0, |k| 1.0 / (k * of_one(node) * area));
             own * (1.0 / part - 1.0) + of_adhesion
         };
+        let place = |&(node, _): &Contact| [cells[node][0], cells[node][1]];
         Ok(Self {
             gel,
-            lattice: Lattice { cells: Vec::new(), ..*lattice },
-            places: nodes.iter().map(|&node| cells[node]).collect(),
-            rest: [0, 1]
-                .map(|axis: usize| nodes.iter().map(|&node| mesh.points[axis][node]).collect()),
-            slack: nodes.iter().map(slack).collect(),
+            spacing: *spacing,
+            origin,
+            shape,
+            places: contacts.iter().map(place).collect(),
+            rest: from_fn(|axis| {
+                contacts.iter().map(|(node, _)| mesh.points[axis][*node]).collect()
+            }),
+            slack: contacts.iter().map(slack).collect(),
             convolution,
-            anchors: nodes.iter().map(|&node| anchor * mesh.areas[node] * softened(node)).collect(),
+            normal,
+            anchors: contacts.iter().map(|&(node, area)| anchor * area * softened(node)).collect(),
             ties: pairs
                 .map(|(pair, share)| {
-                    let [a, b] = pair.map(|place| softened(nodes[place]));
+                    let [a, b] = pair.map(|place| softened(contacts[place].0));
                     (pair, share * per_square * a.min(b))
                 })
                 .collect(),
-            nodes,
+            nodes: contacts.into_iter().map(|(node, _)| node).collect(),
             last: Mutex::default(),
         })
     }
@@ -210,7 +244,7 @@ impl GelBed {
     /// How forces of the nodes that adhere (nN) move the surface under the cell and around it, up to `around` times the
     /// cell's extent away.
     pub fn surface(&self, forces: &Vectors, around: f64) -> Surface {
-        let Lattice { spacing, origin, shape: cell, .. } = self.lattice;
+        let Self { spacing, origin, shape: cell, .. } = *self;
         let beyond = (around * cell[0].max(cell[1]) as f64).ceil() as usize;
         let shape = cell.map(|count| count + 2 * beyond);
         let convolution = Convolution::new(&Green::new(self.gel, spacing), spacing, shape);
@@ -233,19 +267,19 @@ impl GelBed {
     }
 }
 
-impl Compliance for GelBed {
+impl<const D: usize> Compliance<D> for GelBed<D> {
     fn nodes(&self) -> &[usize] {
         &self.nodes
     }
 
-    fn displacements(&self, positions: &Vectors) -> Vectors {
-        [0, 1].map(|axis: usize| {
+    fn displacements(&self, positions: &Vectors<D>) -> Vectors<D> {
+        from_fn(|axis| {
             let places = self.nodes.iter().map(|&node| positions[axis][node]);
             places.zip(&self.rest[axis]).map(|(now, rest)| now - rest).collect()
         })
     }
 
-    fn forces(&self, displacements: &Vectors) -> Vectors {
+    fn forces(&self, displacements: &Vectors<D>) -> Vectors<D> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((of, tractions)) = last.as_ref()
             && of == displacements
@@ -263,8 +297,24 @@ impl Compliance for GelBed {
         tractions
     }
 
-    fn displaced(&self, forces: &Vectors) -> Vectors {
-        let mut moved = self.convolution.displacements(&self.places, forces);
+    fn displaced(&self, forces: &Vectors<D>) -> Vectors<D> {
+        let in_plane = [forces[0].clone(), forces[1].clone()];
+        let [x, y] = self.convolution.displacements(&self.places, &in_plane);
+        let [mut x, mut y] = [Some(x), Some(y)];
+        let up = || {
+            let none = vec![0.0; self.nodes.len()];
+            let [up, _] =
+                self.normal.as_ref()?.displacements(&self.places, &[forces.get(2)?.clone(), none]);
+            Some(up)
+        };
+        let mut moved: Vectors<D> = from_fn(|axis| {
+            match axis {
+                0 => x.take(),
+                1 => y.take(),
+                _ => up(),
+            }
+            .unwrap_or_default()
+        });
         for (moved, forces) in moved.iter_mut().zip(forces) {
             for (moved, (slack, force)) in moved.iter_mut().zip(self.slack.iter().zip(forces)) {
                 *moved += slack * force;
@@ -273,7 +323,7 @@ impl Compliance for GelBed {
         moved
     }
 
-    fn likeness(&self, displacements: &Vectors) -> Vectors {
+    fn likeness(&self, displacements: &Vectors<D>) -> Vectors<D> {
         displacements.each_ref().map(|moved| {
             let mut forces: Vec<f64> =
                 self.anchors.iter().zip(moved).map(|(anchor, moved)| anchor * moved).collect();
@@ -287,12 +337,12 @@ impl Compliance for GelBed {
     }
 }
 
-impl Force for GelBed {
+impl<const D: usize> Force<D> for GelBed<D> {
     fn name(&self) -> &'static str {
         "gel"
     }
 
-    fn add_forces(&self, at: &Configuration<'_>, forces: &mut Vectors) {
+    fn add_forces(&self, at: &Configuration<'_, D>, forces: &mut Vectors<D>) {
         let tractions = self.forces(&self.displacements(at.positions));
         for (forces, tractions) in forces.iter_mut().zip(tractions) {
             for (&node, traction) in self.nodes.iter().zip(tractions) {
@@ -301,13 +351,17 @@ impl Force for GelBed {
         }
     }
 
-    fn energy(&self, at: &Configuration<'_>) -> Option<f64> {
+    fn energy(&self, at: &Configuration<'_, D>) -> Option<f64> {
         let displacements = self.displacements(at.positions);
         Some(0.5 * product(&self.forces(&displacements), &displacements))
     }
 
-    fn add_stiffness(&self, _at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {
-        let isotropic = |k: f64| [[k, 0.0], [0.0, k]];
+    fn add_stiffness(
+        &self,
+        _at: &Configuration<'_, D>,
+        stiffness: &mut StiffnessMatrix<D>,
+    ) -> bool {
+        let isotropic = |k: f64| from_fn(|i| from_fn(|j| if i == j { k } else { 0.0 }));
         for (&node, &anchor) in self.nodes.iter().zip(&self.anchors) {
             stiffness.add(node, node, isotropic(anchor));
         }
@@ -317,7 +371,7 @@ impl Force for GelBed {
         true
     }
 
-    fn compliance(&self) -> Option<&dyn Compliance> {
+    fn compliance(&self) -> Option<&dyn Compliance<D>> {
         Some(self)
     }
 

@@ -96,7 +96,11 @@ impl<const D: usize> Force<D> for LoadedEnd<D> {
         Some(0.5 * self.stiffness * all.iter().map(tied).sum::<f64>() - self.load * mean)
     }
 
-    fn add_stiffness(&self, _at: &Configuration<'_, D>, stiffness: &mut StiffnessMatrix<D>) -> bool {
+    fn add_stiffness(
+        &self,
+        _at: &Configuration<'_, D>,
+        stiffness: &mut StiffnessMatrix<D>,
+    ) -> bool {
         let [axis, across @ ..] = &self.directions[..] else { return false };
         let share = 1.0 / self.nodes.len() as f64;
         for (first, &node) in self.nodes.iter().enumerate() {

@@ -253,15 +253,19 @@ pub fn assemble<'a>(
 }
 
 /// As [`assemble`], for a thick cell of cubes, whose long axis is in the plane of the first two axes.
+///
+/// # Panics
+/// As [`assemble`].
 pub fn assemble_thick<'a>(
     mesh: &Mesh<3, 4>,
     material: &Material,
     fibres: impl Into<Myofibrils<'a, 3>>,
-    support: SupportKind,
+    support: impl Into<Attachment<'a>>,
     axis: [f64; 3],
     length: f64,
 ) -> (Body<3>, System<3>) {
     let fibres = fibres.into();
+    let Attachment { support, adhesion } = support.into();
     let body = Body::at_rest(mesh, material.density(length), 1.0);
     let springs = material.springs(mesh, &body.masses);
     let volume = VolumePreservation::new(mesh, TETRAHEDRA_OF_A_CUBE, material.volume_modulus());
@@ -269,6 +273,12 @@ pub fn assemble_thick<'a>(
     let mut passive: Vec<Box<dyn super::Force<3>>> = vec![Box::new(springs), Box::new(volume)];
     if let Some(anchors) = support.anchors(mesh, axis) {
         passive.push(Box::new(anchors));
+    }
+    if let SupportKind::Gel(gel) = support {
+        match GelBed::adhering(gel, mesh, axis, adhesion) {
+            Ok(bed) => passive.push(Box::new(bed)),
+            Err(error) => panic!("{error}"),
+        }
     }
     if material.fibre_modulus > 0.0 {
         passive.push(Box::new(FibreStiffness::new(mesh, fibres, material.fibre_modulus, 1.0)));

@@ -77,12 +77,7 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
     }
 
     /// Derivative of a group's measure with respect to its nodes, in their order.
-    fn gradients(
-        &self,
-        group: &Group<N>,
-        positions: &Vectors<D>,
-        gradients: &mut Vec<[f64; D]>,
-    ) {
+    fn gradients(&self, group: &Group<N>, positions: &Vectors<D>, gradients: &mut Vec<[f64; D]>) {
         gradients.clear();
         gradients.resize(group.nodes.len(), [0.0; D]);
         for (k, corners) in group.simplices.clone().zip(&group.corners) {

@@ -87,7 +87,9 @@ pub fn measure_curvature<const D: usize, const N: usize>(
         }
         return curvature;
     }
-    for [a, b, c, d] in [[1, 2, 0, 3], [3, 1, 0, 2], [2, 3, 0, 1], [1, 0, 3, 2], [2, 0, 1, 3], [3, 0, 2, 1]] {
+    for [a, b, c, d] in
+        [[1, 2, 0, 3], [3, 1, 0, 2], [2, 3, 0, 1], [1, 0, 3, 2], [2, 0, 1, 3], [3, 0, 2, 1]]
+    {
         for k in 0..3 {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             let part = (corners[c][k] - corners[d][k]) / 6.0;

@@ -57,6 +57,17 @@ impl Thick {
         [0, 1].map(|axis| self.columns.iter().map(|column| mean(axis, column)).collect())
     }
 
+    /// One value for each point, from one for each point of the flat mesh below it.
+    pub fn of_nodes(&self, nodes: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; self.mesh.len()];
+        for (column, value) in self.columns.iter().zip(nodes) {
+            for &node in column {
+                values[node as usize] = *value;
+            }
+        }
+        values
+    }
+
     /// One value for each tetrahedron, from one for each triangle of the flat mesh: the mean of the four triangles of the square below.
     pub fn of_triangles(&self, triangles: &[f64]) -> Vec<f64> {
         let squares = triangles.len() / 4;

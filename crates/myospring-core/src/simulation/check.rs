@@ -7,6 +7,8 @@ use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::gel::{Gel, GelError};
 use crate::mechanics::material::Stiffness;
 use crate::mechanics::support::SupportKind;
+use crate::mesh::thick::Thick;
+use std::sync::Arc;
 
 /// An invalid setting.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -222,9 +224,11 @@ impl Simulation {
 
     fn check_memory(&self) -> Checked {
         let (duration, interval) = (self.duration, self.numerics.frame_interval);
-        let masses = self.mesh.len();
+        let masses = self.thick.as_ref().map_or(self.mesh.len(), |thick| thick.mesh.len());
         let field = self.has_sites_in_triangles();
-        let numbers = 2 * masses + if field { self.mesh.simplices.len() } else { 0 };
+        let in_space = if self.thick.is_some() { 3 * masses } else { 0 };
+        let numbers =
+            2 * self.mesh.len() + in_space + if field { self.mesh.simplices.len() } else { 0 };
         let bytes = (numbers * size_of::<f64>()) as f64;
         // Two more: at 0 ms, and at the peak of tension.
         let shapes = duration / interval + 2.0;
@@ -358,6 +362,7 @@ impl Simulation {
     }
 
     fn check_choices(&self) -> Checked {
+        self.check_thickness()?;
         if let Some(speed) = self.wave_speed {
             value("the speed of the wave", speed, "um/ms", true)?;
         }
@@ -377,11 +382,43 @@ impl Simulation {
         self.check_engine()
     }
 
+    /// Whether all is there that a thick cell needs, and nothing that only a flat one has.
+    fn check_thickness(&self) -> Checked {
+        let Some(thick) = &self.thick else { return Ok(()) };
+        let thickness = "a thick cell";
+        let (found, expected) = (thick.columns.len(), self.mesh.len());
+        if found != expected {
+            let what = "the list of columns of the thick cell";
+            return Err(SettingError::Length { what, found, expected, parts: "node" });
+        }
+        let poisson = self.material.poisson_ratio;
+        if !(0.25..0.5).contains(&poisson) {
+            let (what, must) =
+                ("Poisson's ratio", "from 0.25, that of springs alone, to below 0.5");
+            return Err(SettingError::Value { what, value: poisson, unit: "", must });
+        }
+        if let Stiffness::Spring(_) = self.material.stiffness {
+            let because = "the stiffness of its springs follows from Young's modulus; give that";
+            return conflict("a spring stiffness", thickness, because);
+        }
+        if self.active == ActiveLaw::Ends {
+            let because = "loads on the ends are for flat cells; take the fibre law";
+            return conflict("the law of the ends", thickness, because);
+        }
+        if self.stepper.is_some() {
+            let because = "its masses have three axes; take an integrator of the settings";
+            return conflict("a stepper of your own", thickness, because);
+        }
+        Ok(())
+    }
+
     /// Whether triangles have tensions of their own.
     fn has_field(&self) -> Result<bool, SettingError> {
         match self.activation.as_ref().map(|activation| activation.sites()) {
             Some(Sites::PerElement(found)) => {
-                let (what, expected) = ("the activation", self.mesh.simplices.len());
+                let simplices = |thick: &Arc<Thick>| thick.mesh.simplices.len();
+                let expected = self.thick.as_ref().map_or(self.mesh.simplices.len(), simplices);
+                let what = "the activation";
                 if found != expected {
                     return Err(SettingError::Length { what, found, expected, parts: TRIANGLE });
                 }

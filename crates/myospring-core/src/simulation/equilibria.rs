@@ -31,7 +31,7 @@ const LARGEST_TENSION: f64 = 1e5;
 pub(super) const MARGIN: f64 = 1e-3;
 
 /// The response of a mesh in equilibrium to one tension: its equilibria, or a table of them.
-pub trait TensionResponse: Sync {
+pub trait TensionResponse: Send + Sync {
     /// Shortening, a part of the length before a beat, under a tension in kPa, and its derivative, 1/kPa.
     fn shortening(&self, tension: f64) -> [f64; 2];
     /// The largest of these derivatives, 1/kPa.
@@ -129,7 +129,6 @@ where
             _ => Ok(()),
         }
     }
-
 }
 
 impl<const D: usize, const N: usize> Branch<D, N> {

@@ -2,8 +2,8 @@
 
 use super::StopReason;
 use crate::mechanics::Vectors;
-use crate::mesh::{Mesh, Place};
 use crate::mesh::simplex::measure_at;
+use crate::mesh::{Mesh, Place};
 
 /// Projected area of a mesh in given positions, um^2.
 pub fn projected_area(mesh: &Mesh, positions: &[Vec<f64>; 2]) -> f64 {

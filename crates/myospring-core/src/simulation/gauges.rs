@@ -1,8 +1,8 @@
 //! What is measured where something outside holds the cell, the force at held ends, the tractions on a gel; and of a thick cell.
 
+use super::thickness::ThicknessMeter;
 use crate::cell::Output;
 use crate::mechanics::{Configuration, System, Vectors, product, zeros};
-use super::thickness::ThicknessMeter;
 use crate::recording::{AXIAL_FORCE, CONTRACTILE_MOMENT, END_FORCE, GEL_ENERGY, TRACTION_FORCE};
 use std::sync::Arc;
 

@@ -188,7 +188,8 @@ impl Ready {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(Motion {
-            engine: EngineUsed::Plain { instead_of_fused: Some(hindrance) }, ..
+            engine: EngineUsed::Plain { instead_of_fused: Some(hindrance) },
+            ..
         }) = self.motion()
         {
             warnings.push(format!(

@@ -148,7 +148,8 @@ impl Simulation {
         }
         // The mean over the volume of the myofibrils.
         let resting = resting.map_or(1.0, |stretch| {
-            let sum: f64 = stretch.iter().zip(volumes).map(|(stretch, volume)| stretch * volume).sum();
+            let sum: f64 =
+                stretch.iter().zip(volumes).map(|(stretch, volume)| stretch * volume).sum();
             sum / volumes.iter().sum::<f64>()
         });
         let cell = WholeCell::new(model, start, self.protocol, settings, scale, strongest);
@@ -165,8 +166,7 @@ impl Simulation {
         let Some(speed) = self.wave_speed else {
             return vec![self.protocol; mesh.simplices.len()];
         };
-        let along =
-            |point: [f64; D]| point[0] * self.long_axis[0] + point[1] * self.long_axis[1];
+        let along = |point: [f64; D]| point[0] * self.long_axis[0] + point[1] * self.long_axis[1];
         let points = (0..mesh.len()).map(|node| along(mesh.point(node)));
         let start = points.fold(f64::INFINITY, f64::min);
         let triangles = mesh.simplices.iter().map(|triangle| mesh.centre(triangle));

@@ -147,9 +147,9 @@ impl Space<3, 4> for Simulation {
             if (1..4).all(|k| of(k) == first) {
                 return first;
             }
-            let doubled = (0..4).map(of).fold([0.0; 2], |[c, s], [x, y]| {
-                [c + x * x - y * y, s + 2.0 * x * y]
-            });
+            let doubled = (0..4)
+                .map(of)
+                .fold([0.0; 2], |[c, s], [x, y]| [c + x * x - y * y, s + 2.0 * x * y]);
             let angle = 0.5 * doubled[1].atan2(doubled[0]);
             [angle.cos(), angle.sin()]
         };
@@ -157,7 +157,8 @@ impl Space<3, 4> for Simulation {
         let range = |[low, high]: [f64; 2], z: &f64| [low.min(*z), high.max(*z)];
         let [low, high] = z.iter().fold([f64::INFINITY, f64::NEG_INFINITY], range);
         let (middle, height) = (0.5 * (low + high), high - low);
-        let tetrahedra = thick.mesh.simplices.chunks(thick.mesh.simplices.len() / thick.squares.len());
+        let tetrahedra =
+            thick.mesh.simplices.chunks(thick.mesh.simplices.len() / thick.squares.len());
         let turned = tetrahedra.zip(&thick.squares).flat_map(|(tetrahedra, square)| {
             let [x, y] = of_square(*square as usize);
             tetrahedra.iter().map(move |tetrahedron| {
@@ -183,7 +184,9 @@ impl Space<3, 4> for Simulation {
         let content = content.map(|content| Space::<3, 4>::by_simplex(self, content));
         let myofibrils = Myofibrils { directions: &directions, content: content.as_deref() };
         let (mesh, axis) = (&self.thick().mesh, Space::<3, 4>::axis(self));
-        assemble_thick(mesh, &self.material, myofibrils, support.support, axis, length)
+        let adhesion = support.adhesion.map(|adhesion| self.thick().of_nodes(adhesion));
+        let support = Attachment { adhesion: adhesion.as_deref(), ..support };
+        assemble_thick(mesh, &self.material, myofibrils, support, axis, length)
     }
 
     fn thickness(&self) -> Option<ThicknessMeter> {

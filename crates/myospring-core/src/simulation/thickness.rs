@@ -39,7 +39,11 @@ impl ThicknessMeter {
             let points = chosen(&thick.mesh.points, &nodes);
             (nodes, ShapeMeter::new(points, axis, above.areas.clone()))
         };
-        Self { thick: Arc::clone(thick), areas: above.areas.clone(), faces: [face(lowest), face(highest)] }
+        Self {
+            thick: Arc::clone(thick),
+            areas: above.areas.clone(),
+            faces: [face(lowest), face(highest)],
+        }
     }
 
     /// The values, in the order of [`ThicknessMeter::TOLD`]; none of a flat body.
@@ -67,8 +71,7 @@ fn chosen(points: &[Vec<f64>; 3], nodes: &[u32]) -> [Vec<f64>; 2] {
 /// Volume of a mesh in given positions, um^3.
 fn volume<const D: usize>(mesh: &Mesh<3, 4>, positions: &Vectors<D>) -> f64 {
     let Ok(positions) = <&Vectors<3>>::try_from(&positions[..]) else { return f64::NAN };
-    let one = |simplex: &crate::mesh::Simplex<4>| {
-        simplex.weight * measure_at(positions, simplex.nodes)
-    };
+    let one =
+        |simplex: &crate::mesh::Simplex<4>| simplex.weight * measure_at(positions, simplex.nodes);
     mesh.simplices.iter().map(one).sum()
 }

@@ -75,7 +75,7 @@ impl Outcome for Meshed {
     }
 
     fn save(&self, folder: &Folder, observer: &dyn Observer) -> Result<(), ExperimentError> {
-        let Shaped { mesh, report, outline, picture } = &self.shaped;
+        let Shaped { mesh, report, outline, picture, .. } = &self.shaped;
         folder.write("mesh.json", json::for_people(&self.numbers())?)?;
         folder.write("outline.geojson", outline.to_geojson())?;
         folder.figures(Theme::default(), &[("mesh", &|| figure::mesh(mesh))], observer)?;

@@ -63,7 +63,7 @@ impl Experiment for Paper {
         let started = Stopwatch::start();
         let run = self.run.clone();
         let bytes = run.shape.bytes(|file| files.bytes(file))?;
-        let Shaped { mesh, outline, .. } = run.shape.mesh(&bytes)?;
+        let Shaped { mesh, thick, outline, .. } = run.shape.mesh(&bytes)?;
         let threads = Threads::new(self.threads)?;
         observer.stage("ms", TENSIONS.len() as u64 * run.duration as u64);
         let (interruption, done) = (observer.interruption(), AtomicU64::new(0));
@@ -75,7 +75,7 @@ impl Experiment for Paper {
                 resting_stretch: None,
                 adhesion: None,
             };
-            let mut simulation = run.simulation(mesh.clone(), places);
+            let mut simulation = run.simulation(mesh.clone(), thick.clone(), places);
             simulation.peak_tension = peak_tension;
             let mut before = 0.0;
             Ok(simulation.build()?.run(|progress| {

@@ -5,7 +5,7 @@ use crate::integrate::quasi_static::Tolerance;
 use crate::mechanics::material::Stiffness;
 use crate::mechanics::support::SupportKind;
 use crate::simulation::Simulation;
-use crate::simulation::equilibria::{Equilibria, TensionResponse};
+use crate::simulation::equilibria::TensionResponse;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -18,8 +18,8 @@ const UP_TO: [f64; 4] = [0.1, 0.2, 0.4, 0.8];
 const STIFFEST: f64 = 16.0;
 
 /// Solves up to a shortening, or to the largest that the cell reaches.
-fn solve(simulation: &Simulation, up_to: f64) -> Result<Equilibria, FitError> {
-    let equilibria = simulation.equilibria_to(up_to, Tolerance::default())?;
+fn solve(simulation: &Simulation, up_to: f64) -> Result<Arc<dyn TensionResponse>, FitError> {
+    let equilibria = simulation.response_to(up_to, Tolerance::default())?;
     let [most, _] = equilibria.shortening(equilibria.highest());
     // A cell whose ends are held does not shorten.
     if most.is_nan() || most <= 1e-6 {
@@ -68,7 +68,7 @@ impl Shelf {
 pub(super) struct Tables {
     /// By factor on every elastic constant of the cell, ascending; a single one if nothing holds
     /// the cell, since then only tension over stiffness counts.
-    by_stiffness: Vec<Equilibria>,
+    by_stiffness: Vec<Arc<dyn TensionResponse>>,
 }
 
 impl Tables {
@@ -89,7 +89,7 @@ impl Tables {
     /// The equilibria of a cell of another stiffness, given as a factor, by Lagrange's cubic in the
     /// logarithm of the stiffness, at equal tension over stiffness.
     pub(super) fn at(&self, stiffness: f64) -> AtStiffness<'_> {
-        let middle = &self.by_stiffness[self.by_stiffness.len() / 2];
+        let middle = &*self.by_stiffness[self.by_stiffness.len() / 2];
         if self.by_stiffness.len() == 1 {
             let part = Part { equilibria: middle, weight: 1.0, factor: 1.0 };
             return AtStiffness { middle, parts: vec![part], stiffness };
@@ -99,7 +99,7 @@ impl Tables {
         let part = |k: usize| {
             let others = (first..first + 4).filter(|j| *j != k);
             let weight = others.map(|j| (place - j as f64) / (k as f64 - j as f64)).product();
-            Part { equilibria: &self.by_stiffness[k], weight, factor: factor(k) }
+            Part { equilibria: &*self.by_stiffness[k], weight, factor: factor(k) }
         };
         AtStiffness { middle, parts: (first..first + 4).map(part).collect(), stiffness }
     }
@@ -108,14 +108,14 @@ impl Tables {
 /// Equilibria of a cell of another stiffness than the run's.
 pub(super) struct AtStiffness<'a> {
     /// The equilibria of the run's stiffness.
-    middle: &'a Equilibria,
+    middle: &'a dyn TensionResponse,
     parts: Vec<Part<'a>>,
     stiffness: f64,
 }
 
 /// The equilibria of one of the stiffnesses between which others are found.
 struct Part<'a> {
-    equilibria: &'a Equilibria,
+    equilibria: &'a dyn TensionResponse,
     weight: f64,
     factor: f64,
 }
@@ -125,12 +125,12 @@ impl AtStiffness<'_> {
     fn interpolated(
         &self,
         tension: f64,
-        of: impl Fn(&Equilibria, f64) -> Option<[f64; 2]>,
+        of: impl Fn(&dyn TensionResponse, f64) -> Option<[f64; 2]>,
     ) -> Option<[f64; 2]> {
         let ratio = tension / self.stiffness;
         let mut sum = [0.0; 2];
         for Part { equilibria, weight, factor } in &self.parts {
-            let [value, slope] = of(equilibria, ratio * factor)?;
+            let [value, slope] = of(*equilibria, ratio * factor)?;
             sum[0] += weight * value;
             sum[1] += weight * slope * factor / self.stiffness;
         }
@@ -140,7 +140,7 @@ impl AtStiffness<'_> {
 
 impl TensionResponse for AtStiffness<'_> {
     fn shortening(&self, tension: f64) -> [f64; 2] {
-        let of = |equilibria: &Equilibria, tension| Some(equilibria.shortening(tension));
+        let of = |equilibria: &dyn TensionResponse, tension| Some(equilibria.shortening(tension));
         self.interpolated(tension, of).unwrap_or([f64::NAN; 2])
     }
 

@@ -91,6 +91,8 @@ pub(super) fn put_out_of_force(
             let others = SPRINGS.iter().filter(|springs| word != Some(springs.support));
             others.map(|springs| springs.key).collect()
         }
+        "shape.profile" if word == Some("flat") => OF_THICK.to_vec(),
+        "shape.profile" => OF_FLAT.to_vec(),
         "mechanics.fibre" if !["auto", "picture"].map(Some).contains(&word) => OF_FIBRES.to_vec(),
         "cell.model" => {
             let own = |what: fn(&dyn CellModel) -> bool, keys: &[&'static str]| match model {
@@ -143,6 +145,7 @@ pub(super) fn check(file: &RunFile, run: &Run) -> Checked {
     cell_model(file, run)?;
     stimulus(file, run)?;
     shape(file, run)?;
+    profile(file, run)?;
     fibre(file, run)?;
     sarcomeres(file, run)?;
     support(file, run)?;
@@ -320,6 +323,28 @@ fn shape(file: &RunFile, run: &Run) -> Checked {
     let refused = of_pictures.chain(of_outlines.into_iter().filter(|_| built_in));
     match refused.into_iter().find(|key| file.has(key)) {
         Some(key) => exclude(source, key, ADVICE),
+        None => Ok(()),
+    }
+}
+
+/// Keys that apply only to thick cells, and only to flat ones.
+const OF_THICK: [&str; 2] = ["material.poisson_ratio", "mechanics.helix_angle"];
+const OF_FLAT: [&str; 3] =
+    ["material.area_law", "material.area_modulus", "material.spring_stiffness"];
+
+fn profile(file: &RunFile, run: &Run) -> Checked {
+    let (others, advice) = match run.shape.form {
+        None => (
+            &OF_THICK[..],
+            "only a thick cell has it; give profile = \"round\", \"dome\" or \"slab\" (--profile), or leave it out",
+        ),
+        Some(_) => (
+            &OF_FLAT[..],
+            "a thick cell has young_modulus and poisson_ratio instead; leave it out, or give profile = \"flat\"",
+        ),
+    };
+    match others.iter().find(|key| file.has(key)) {
+        Some(second) => exclude("shape.profile", second, advice),
         None => Ok(()),
     }
 }

@@ -21,6 +21,7 @@ use crate::mechanics::material::{Material, default_material};
 use crate::mechanics::support::SupportKind;
 use crate::mesh::outline::Outline;
 use crate::mesh::quality::{MeshReport, long_axis};
+use crate::mesh::thick::Thick;
 use crate::mesh::{Mesh, built_in};
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::fibres::FibreError;
@@ -72,6 +73,8 @@ pub struct Run {
     pub active: ActiveLaw,
     /// Direction of the fibres.
     pub fibre: FibreDirection,
+    /// Angle by which the fibres of a thick cell turn from its lowest to its highest point, degrees.
+    pub helix_angle: f64,
     /// Which stretch acts on the cell model, if it depends on stretch.
     pub stretch_felt: StretchFelt,
     /// Content of myofibrils in each place; from a picture, order times coverage of its fibres,
@@ -187,10 +190,12 @@ impl Run {
                 rotate: 0.0,
                 spacing: None,
                 any_size: false,
+                form: None,
             },
             material: default_material(),
             active: ActiveLaw::Fibre,
             fibre: FibreDirection::Auto(Asked::default()),
+            helix_angle: 0.0,
             stretch_felt: StretchFelt::Cell,
             myofibril_content: FromPlaces::Uniform,
             sarcomere_length: FromPlaces::Uniform,
@@ -267,7 +272,7 @@ impl Run {
         shaped: Shaped,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
     ) -> Result<MeshedRun, MakeError> {
-        let Shaped { mesh, mut report, outline, mut picture } = shaped;
+        let Shaped { mesh, thick, mut report, outline, mut picture } = shaped;
         if let Some((cells, _)) = &mut picture {
             cells.interruption = self.interruption.clone();
         }
@@ -316,7 +321,7 @@ impl Run {
         };
         let (start_state, warning) = self.start_state(&cell)?;
         report.warnings.extend(warning);
-        let simulation = Simulation { cell, start_state, ..self.simulation(mesh, places) };
+        let simulation = Simulation { cell, start_state, ..self.simulation(mesh, thick, places) };
         // The pixels of a mask give the exact area, but the outline of a cell has no steps.
         let of_mask = picture.as_ref().filter(|(cells, _)| {
             cells.segmentation().is_some_and(|found| found.modality == Modality::Mask)
@@ -389,7 +394,7 @@ impl Run {
 
     /// Makes the simulation of this run on a mesh with quantities by place, without reading files;
     /// the cell model must already have its calcium ([`Run::driven`]).
-    pub fn simulation(&self, mesh: Mesh, places: Places) -> Simulation {
+    pub fn simulation(&self, mesh: Mesh, thick: Option<Arc<Thick>>, places: Places) -> Simulation {
         let Places { fibres, myofibril_content, resting_stretch, adhesion } = places;
         let long_axis = long_axis(&mesh);
         Simulation {
@@ -407,6 +412,8 @@ impl Run {
             long_axis,
             fibres,
             mesh,
+            thick,
+            helix_angle: self.helix_angle.to_radians(),
             material: self.material.clone(),
             active: self.active,
             support: self.support,

@@ -4,9 +4,11 @@ use crate::measured::decoded;
 use crate::mesh::Mesh;
 use crate::mesh::built_in::BuiltIn;
 use crate::mesh::lattice::{self, LatticeError};
+use crate::mesh::mask::Mask;
 use crate::mesh::outline::{Outline, OutlineError};
 use crate::mesh::pixel_size::PixelSize;
 use crate::mesh::quality::{MeshReport, outline_dimensions};
+use crate::mesh::thick::{self, Form, Thick};
 use crate::microscopy::cells::{CellError, PictureCell, PictureCells, PictureOptions};
 use crate::microscopy::outlines::{
     CoordinateUnit, OutlineFileError, Placement, ReadOptions, read_outlines,
@@ -15,6 +17,7 @@ use crate::microscopy::report::{USUAL_AREAS_UM2, impossible_size};
 use crate::microscopy::segment::Choice;
 use std::io;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A picture, and how its cell is found.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,14 +106,39 @@ pub struct ShapeBytes {
 /// A meshed shape.
 #[derive(Debug, Clone)]
 pub struct Shaped {
-    /// The mesh.
+    /// The mesh; of a thick cell, as it is seen from above.
     pub mesh: Mesh,
+    /// The thickness of a thick cell.
+    pub thick: Option<Arc<Thick>>,
     /// Report on the mesh, with earlier warnings.
     pub report: MeshReport,
     /// The meshed outline, um; rotated if requested.
     pub outline: Outline,
     /// The picture with its cells, and the chosen one.
     pub picture: Option<(PictureCells, PictureCell)>,
+}
+
+/// The mesh of a cell, with its report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Meshed {
+    /// The mesh; of a thick cell, as it is seen from above.
+    pub mesh: Mesh,
+    /// The thickness of a thick cell.
+    pub thick: Option<Arc<Thick>>,
+    /// Report on the mesh.
+    pub report: MeshReport,
+}
+
+impl From<(Mesh, MeshReport)> for Meshed {
+    fn from((mesh, report): (Mesh, MeshReport)) -> Self {
+        Self { mesh, thick: None, report }
+    }
+}
+
+impl From<(Mesh, Thick, MeshReport)> for Meshed {
+    fn from((mesh, thick, report): (Mesh, Thick, MeshReport)) -> Self {
+        Self { mesh, thick: Some(Arc::new(thick)), report }
+    }
 }
 
 /// The cell's shape.
@@ -124,6 +152,8 @@ pub struct Shape {
     pub spacing: Option<f64>,
     /// Whether a size is accepted that is impossible for a heart cell.
     pub any_size: bool,
+    /// How its thickness varies; `None` is a flat cell.
+    pub form: Option<Form>,
 }
 
 /// Why a shape cannot be meshed.
@@ -260,10 +290,10 @@ impl Shape {
         let Source::Picture(picture) = &self.source else {
             let (outline, notes) = self.outline(&bytes.shape)?;
             self.check_outline(&outline)?;
-            let (mesh, mut report) = lattice::from_outline(&outline, self.spacing)
-                .map_err(|cause| self.unmeshed(cause))?;
+            let meshed = self.of_outline(&outline).map_err(|cause| self.unmeshed(cause))?;
+            let Meshed { mesh, thick, mut report } = meshed;
             report.warnings.extend(notes);
-            return Ok(Shaped { mesh, report, outline, picture: None });
+            return Ok(Shaped { mesh, thick, report, outline, picture: None });
         };
         let cells = picture.cells(bytes)?;
         let cell =
@@ -295,11 +325,11 @@ impl Shape {
     /// As of [`Shape::mesh_cell`].
     pub fn mesh_each(&self, cells: PictureCells, cell: PictureCell) -> Result<Shaped, ShapeError> {
         self.check_size(&cells, &cell)?;
-        let (mesh, mut report) = self.lattice(&cells, &cell)?;
+        let Meshed { mesh, thick, mut report } = self.lattice(&cells, &cell)?;
         report.warnings.extend(cells.notes.iter().cloned());
         report.warnings.extend(cell.warnings());
         let outline = cell.outline.clone();
-        Ok(Shaped { mesh, report, outline, picture: Some((cells, cell)) })
+        Ok(Shaped { mesh, thick, report, outline, picture: Some((cells, cell)) })
     }
 
     /// Rejects a cell of a picture whose size is impossible for a heart cell, unless any size is
@@ -346,17 +376,27 @@ impl Shape {
     ///
     /// # Errors
     /// A spacing that does not fit the cell.
-    pub fn lattice(
-        &self,
-        cells: &PictureCells,
-        cell: &PictureCell,
-    ) -> Result<(Mesh, MeshReport), ShapeError> {
+    pub fn lattice(&self, cells: &PictureCells, cell: &PictureCell) -> Result<Meshed, ShapeError> {
         // The pixels of a segmented cell, or a drawn outline.
         let meshed = match cells.segmentation() {
-            Some(_) => lattice::from_mask(&cell.mask, self.spacing),
-            None => lattice::from_outline(&cell.outline, self.spacing),
+            Some(_) => self.of_mask(&cell.mask),
+            None => self.of_outline(&cell.outline),
         };
         meshed.map_err(|cause| self.unmeshed(cause))
+    }
+
+    fn of_mask(&self, mask: &Mask) -> Result<Meshed, LatticeError> {
+        Ok(match self.form {
+            None => lattice::from_mask(mask, self.spacing)?.into(),
+            Some(form) => thick::from_mask(mask, form, self.spacing)?.into(),
+        })
+    }
+
+    fn of_outline(&self, outline: &Outline) -> Result<Meshed, LatticeError> {
+        Ok(match self.form {
+            None => lattice::from_outline(outline, self.spacing)?.into(),
+            Some(form) => thick::from_outline(outline, form, self.spacing)?.into(),
+        })
     }
 
     fn unmeshed(&self, cause: LatticeError) -> ShapeError {

@@ -29,6 +29,7 @@ mod s1_s2;
 mod shared_runs;
 mod solid;
 mod supports;
+mod thick;
 mod tor_ord;
 mod upstroke;
 mod viscosity;

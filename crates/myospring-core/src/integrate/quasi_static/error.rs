@@ -13,7 +13,9 @@ pub struct WeakPlace {
 }
 
 fn words(place: Option<&WeakPlace>) -> String {
-    place.map_or_else(String::new, |WeakPlace { node, place }| format!(" near {place} (node {node})"))
+    place.map_or_else(String::new, |WeakPlace { node, place }| {
+        format!(" near {place} (node {node})")
+    })
 }
 
 impl From<Interrupted> for PathError {

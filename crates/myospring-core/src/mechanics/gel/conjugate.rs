@@ -4,13 +4,13 @@ use crate::mechanics::vectors::{Vectors, add_scaled, product, zeros};
 
 /// Solves `A x = b` from 0 with a symmetric positive definite `A`, which `times` multiplies by, until the residual is
 /// `enough` of `b` or after `rounds`; `improved` multiplies by the preconditioner.
-pub(super) fn solve(
-    right: &Vectors,
-    times: impl Fn(&Vectors) -> Vectors,
-    improved: impl Fn(&Vectors) -> Vectors,
+pub(super) fn solve<const D: usize>(
+    right: &Vectors<D>,
+    times: impl Fn(&Vectors<D>) -> Vectors<D>,
+    improved: impl Fn(&Vectors<D>) -> Vectors<D>,
     enough: f64,
     rounds: usize,
-) -> Vectors {
+) -> Vectors<D> {
     let mut solution = zeros(right[0].len());
     let mut rest = right.clone();
     let enough = enough * product(right, right).sqrt();

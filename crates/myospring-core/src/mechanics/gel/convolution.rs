@@ -96,13 +96,23 @@ pub(super) struct Convolution {
 impl Convolution {
     /// The convolution on a lattice; `shape` has its columns and rows.
     pub(super) fn new(green: &Green, spacing: f64, shape: [usize; 2]) -> Self {
+        Self::of(|x, y| green.at(x, y), spacing, shape)
+    }
+
+    /// The convolution of forces normal to the surface, each the first of two, with what they move normal to it.
+    pub(super) fn normal(green: &Green, spacing: f64, shape: [usize; 2]) -> Self {
+        Self::of(|x, y| [green.normal_at(x, y), 0.0, 0.0], spacing, shape)
+    }
+
+    /// `moved` are the displacements `[xx, xy, yy]` at a distance, um/nN.
+    fn of(moved: impl Fn(f64, f64) -> [f64; 3], spacing: f64, shape: [usize; 2]) -> Self {
         let transforms = Transforms::new(shape.map(|count| smooth(2 * count - 1)));
         let [width, height] = transforms.size;
         // xx and yy as one complex number, whose transforms are both real; xy as another.
         let mut grids = [(); 2].map(|()| vec![Number::default(); width * height]);
         for row in 0..shape[1] {
             for column in 0..shape[0] {
-                let [xx, xy, yy] = green.at(spacing * column as f64, spacing * row as f64);
+                let [xx, xy, yy] = moved(spacing * column as f64, spacing * row as f64);
                 let across = [column, (width - column) % width];
                 let along = [row, (height - row) % height];
                 for (j, y) in [(along[0], 1.0), (along[1], -1.0)] {

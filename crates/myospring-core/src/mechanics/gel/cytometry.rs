@@ -220,7 +220,10 @@ fn wave_at(gel: &Gel, surface: &Surface, place: [usize; 2]) -> Wave {
         return Wave { compliance: [0.0; 2], direction: [1.0, 0.0], number };
     }
     let in_units = match gel.thickness {
-        Some(thickness) => wave::compliance(gel.poisson, number * thickness),
+        Some(thickness) => {
+            let [along, across, _] = wave::compliance(gel.poisson, number * thickness);
+            [along, across]
+        }
         None => [1.0 - gel.poisson, 1.0],
     };
     let compliance = in_units.map(|part| part / (gel.shear_modulus() * number));
@@ -525,7 +528,7 @@ mod tests {
         let gel = Gel { thickness: Some(5.0), poisson: 0.4, ..Gel::half_space(7.0) };
         let shape = [60, 40];
         let number = TAU * 3.0 / 60.0;
-        let [along, across] =
+        let [along, across, _] =
             wave::compliance(gel.poisson, 5.0 * number).map(|g| g / (gel.shear_modulus() * number));
         let wave = |size: f64| {
             (0..60 * 40)

@@ -78,7 +78,7 @@ impl Gel {
     ///
     /// # Errors
     /// A layer thinner than the spacing of the nodes, a mesh that is no lattice.
-    pub fn check(&self, mesh: &Mesh) -> Result<(), GelError> {
+    pub fn check<const D: usize, const N: usize>(&self, mesh: &Mesh<D, N>) -> Result<(), GelError> {
         let &Lattice { spacing, .. } = mesh.lattice.as_ref().ok_or(GelError::NoLattice)?;
         self.check_spacing(spacing)
     }

@@ -38,6 +38,35 @@ impl Green {
         Self { gel, side, layer: gel.thickness.map(|thickness| Layer::new(gel, thickness)) }
     }
 
+    /// Normal displacement at (x, y) from the centre of a square, um per nN normal to the square (Boussinesq):
+    /// `P (1 - nu^2) / (pi E r)` spread over it.
+    ///
+    /// Both coordinates are whole multiples of its side.
+    pub(super) fn normal_at(&self, x: f64, y: f64) -> f64 {
+        let Gel { modulus, poisson, .. } = self.gel;
+        if self.layer.as_ref().is_some_and(|layer| x.hypot(y) > layer.reach()) {
+            return 0.0;
+        }
+        let half = 0.5 * self.side;
+        let mut inverse = 0.0;
+        for (p, q, sign) in
+            [(1.0, 1.0, 1.0), (-1.0, 1.0, -1.0), (1.0, -1.0, -1.0), (-1.0, -1.0, 1.0)]
+        {
+            let (x, y) = (x + p * half, y + q * half);
+            let r = x.hypot(y);
+            inverse += sign * (y * log_sum(x, y, r) + x * log_sum(y, x, r));
+        }
+        let scale = (1.0 - poisson * poisson) / (std::f64::consts::PI * modulus);
+        let mut moved = scale / self.side.powi(2) * inverse;
+        let Some(layer) = &self.layer else { return moved };
+        for [p, across] in GAUSS {
+            for [q, along] in GAUSS {
+                moved += across * along * layer.more_normal(x + p * self.side, y + q * self.side);
+            }
+        }
+        moved
+    }
+
     /// Displacements `[xx, xy, yy]` at (x, y) from the centre of a square, um per nN on the square.
     ///
     /// Both coordinates are whole multiples of its side.

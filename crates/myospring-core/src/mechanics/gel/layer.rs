@@ -6,9 +6,10 @@
 //! ```text
 //! dG_ij(r) = g_0(r/h) delta_ij + g_2(r/h) (2 r_i r_j / r^2 - delta_ij)
 //! g_0 = 1/(4 pi G h) int (dL + dT) J_0(s r/h) s ds        g_2 = 1/(4 pi G h) int (dT - dL) J_2(s r/h) s ds
+//! g_N = 1/(2 pi G h) int dN J_0(s r/h) s ds
 //! ```
 //!
-//! where `dL` and `dT` are the differences in units of `h/G`. Beyond some ten thicknesses the layer does not move at all.
+//! where `dL`, `dT` and, normal to the surface, `dN` are the differences in units of `h/G`. Beyond some ten thicknesses the layer does not move at all.
 
 use super::description::Gel;
 use super::wave::compliance;
@@ -34,8 +35,8 @@ const GAUSS: [[f64; 2]; 5] = [
 /// What a layer differs from a half-space by.
 pub(super) struct Layer {
     thickness: f64,
-    /// `g_0` and `g_2`, um/nN, at multiples of [`STEP`].
-    table: Vec<[f64; 2]>,
+    /// `g_0`, `g_2` and `g_N`, um/nN, at multiples of [`STEP`].
+    table: Vec<[f64; 3]>,
 }
 
 impl Layer {
@@ -45,18 +46,19 @@ impl Layer {
         while start < LONGEST {
             points.extend(GAUSS.map(|[at, weight]| {
                 let s = start + 0.5 * PANEL * (1.0 + at);
-                let [along, across] = compliance(gel.poisson, s);
-                let [along, across] = [along - (1.0 - gel.poisson), across - 1.0];
+                let [along, across, normal] = compliance(gel.poisson, s);
+                let [along, across, normal] =
+                    [along - (1.0 - gel.poisson), across - 1.0, normal - (1.0 - gel.poisson)];
                 let weight = 0.5 * PANEL * weight / (4.0 * PI * gel.shear_modulus() * thickness);
-                [s, weight * (along + across), weight * (across - along)]
+                [s, weight * (along + across), weight * (across - along), 2.0 * weight * normal]
             }));
             start += PANEL;
         }
         let entry = |place: usize| {
             let distance = place as f64 * STEP;
-            points.iter().fold([0.0; 2], |[g0, g2], &[s, both, apart]| {
+            points.iter().fold([0.0; 3], |[g0, g2, normal], &[s, both, apart, pressed]| {
                 let [zeroth, second] = bessel(s * distance);
-                [g0 + both * zeroth, g2 + apart * second]
+                [g0 + both * zeroth, g2 + apart * second, normal + pressed * zeroth]
             })
         };
         // One more on either side of each interval.
@@ -72,7 +74,7 @@ impl Layer {
     /// What the layer adds to the displacements `[xx, xy, yy]` of a half-space at (x, y) from a force, um/nN.
     pub(super) fn more(&self, x: f64, y: f64) -> [f64; 3] {
         let r = x.hypot(y);
-        let [g0, g2] = self.interpolate(r / self.thickness);
+        let [g0, g2, _] = self.interpolate(r / self.thickness);
         if r == 0.0 {
             return [g0, 0.0, g0];
         }
@@ -81,8 +83,14 @@ impl Layer {
         [g0 + g2 * turn, 2.0 * g2 * cosine * sine, g0 - g2 * turn]
     }
 
+    /// What the layer adds to the normal displacement of a half-space at (x, y) from a normal force, um/nN.
+    pub(super) fn more_normal(&self, x: f64, y: f64) -> f64 {
+        let [.., normal] = self.interpolate(x.hypot(y) / self.thickness);
+        normal
+    }
+
     /// The cubic through the four nearest entries.
-    fn interpolate(&self, distance: f64) -> [f64; 2] {
+    fn interpolate(&self, distance: f64) -> [f64; 3] {
         let at = (distance / STEP).min((self.table.len() - 3) as f64);
         let first = (at as usize).max(1) - 1;
         let t = at - first as f64;
@@ -93,7 +101,7 @@ impl Layer {
             t * (t - 1.0) * (t - 2.0) / 6.0,
         ];
         let entries = &self.table[first..first + 4];
-        [0, 1].map(|of: usize| weights.iter().zip(entries).map(|(w, entry)| w * entry[of]).sum())
+        [0, 1, 2].map(|of: usize| weights.iter().zip(entries).map(|(w, entry)| w * entry[of]).sum())
     }
 }
 

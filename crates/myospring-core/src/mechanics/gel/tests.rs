@@ -141,8 +141,8 @@ fn waves_on_a_layer_move_as_their_closed_forms() {
         let gel = Gel { poisson, thickness: Some(thickness), ..Gel::half_space(6.0) };
         let bed = bed(gel, &mesh);
         let number = TAU / 20.0;
-        let wanted = wave::compliance(poisson, number * thickness);
-        for (along, wanted) in wanted.into_iter().enumerate() {
+        let [along, across, _] = wave::compliance(poisson, number * thickness);
+        for (along, wanted) in [along, across].into_iter().enumerate() {
             // Crests at the middle of the square; nodes on its rim count whole squares, too.
             let wave: Vec<f64> =
                 mesh.points[along].iter().map(|x| (number * (x - 60.0)).cos()).collect();
@@ -258,4 +258,44 @@ fn a_weaker_adhesion_everywhere_is_a_softer_one_and_between_nodes_it_is_solved_a
         let left = (product(&left, &left) / product(&moved, &moved)).sqrt();
         assert!(left < 1e-9, "{gel:?}: {left}");
     }
+}
+
+#[test]
+fn pressure_on_a_layer_sinks_as_its_closed_forms_say() {
+    use super::convolution::Convolution;
+    use super::green::Green;
+    // At the centre of a square of side s under an even pressure q: 3.52549 s q (1 - nu^2) / (pi E).
+    for poisson in [0.0, 0.3, 0.49] {
+        let gel = Gel { poisson, ..Gel::half_space(8.0) };
+        let sunk = Green::new(gel, 3.0).normal_at(0.0, 0.0) * 9.0;
+        let exact = 3.52549 * 3.0 * (1.0 - poisson * poisson) / (PI * 8.0);
+        assert!((sunk / exact - 1.0).abs() < 1e-5, "nu = {poisson}: {sunk}, {exact}");
+    }
+    // Waves of pressure, whose middle is not reached by the rim.
+    let shape = [121, 121];
+    let places: Vec<[u32; 2]> =
+        (0..121 * 121).map(|at| [at % 121, at / 121]).collect();
+    for (poisson, thickness) in [(0.49, 4.0), (0.2, 4.0), (0.45, 12.0)] {
+        let gel = Gel { poisson, thickness: Some(thickness), ..Gel::half_space(6.0) };
+        let normal = Convolution::normal(&Green::new(gel, 1.0), 1.0, shape);
+        let number = TAU / 20.0;
+        let [.., wanted] = wave::compliance(poisson, number * thickness);
+        let wave = places.iter().map(|[x, _]| (number * (f64::from(*x) - 60.0)).cos()).collect();
+        let [moved, _] = normal.displacements(&places, &[wave, vec![0.0; 121 * 121]]);
+        let exact = wanted / (gel.shear_modulus() * number);
+        let found = moved[60 * 121 + 60];
+        // As of tractions in the plane: each force is spread over a square.
+        assert!((found / exact - 1.0).abs() < 0.03, "nu = {poisson}: {found}, {exact}");
+    }
+}
+
+#[test]
+fn a_layer_that_cannot_bulge_hardly_sinks() {
+    // Long waves: h^2 k^2 h/(3 G) of an incompressible layer, h/M of another, M = 2 G (1 - nu)/(1 - 2 nu).
+    let s = 1e-3;
+    let [.., incompressible] = wave::compliance(0.5, s);
+    assert!((incompressible / (s * s * s / 3.0) - 1.0).abs() < 1e-3, "{incompressible}");
+    let nu = 0.3;
+    let [.., other] = wave::compliance(nu, s);
+    assert!((other / (s * (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu))) - 1.0).abs() < 1e-3, "{other}");
 }

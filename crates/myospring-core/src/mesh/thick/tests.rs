@@ -52,10 +52,11 @@ fn a_slab_has_its_outline_times_its_thickness() {
 #[test]
 fn values_of_triangles_go_to_the_cubes_above() {
     let form = Form { profile: Profile::Dome, thickness: 8.0 };
-    let (above, thick, _) =
-        from_outline(&built_in::adult_ventricular(), form, Some(2.0)).unwrap();
+    let (above, thick, _) = from_outline(&built_in::adult_ventricular(), form, Some(2.0)).unwrap();
     let x: Vec<f64> = above.simplices.iter().map(|triangle| above.centre(triangle)[0]).collect();
-    for (tetrahedra, value) in thick.mesh.simplices.chunks(10).zip(thick.of_triangles(&x).chunks(10)) {
+    for (tetrahedra, value) in
+        thick.mesh.simplices.chunks(10).zip(thick.of_triangles(&x).chunks(10))
+    {
         let centre: f64 = tetrahedra.iter().map(|it| thick.mesh.centre(it)[0]).sum::<f64>() / 10.0;
         assert!(value.iter().all(|value| (value - centre).abs() < 1e-9));
     }

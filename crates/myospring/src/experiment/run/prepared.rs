@@ -117,21 +117,16 @@ impl PreparedRun {
         let start = Stopwatch::start();
         let first = self.ready.run(|progress| progress.time <= 0.0);
         let (duration, numerics) = (self.run.duration, &self.run.numerics);
-        let intervals = match self.ready {
-            Ready::InTime(_) | Ready::FromRestToRest(_) => {
-                duration / numerics.output_interval.max(1e-9)
-            }
-            Ready::AlongPath(_) => 1.0,
-        };
+        let solved = self.ready.is_solved();
+        let intervals = if solved { 1.0 } else { duration / numerics.output_interval.max(1e-9) };
         let estimated_s = start.elapsed().as_secs_f64() * intervals;
         let mut effort = first.effort;
         let mut spring_updates = None;
-        if let (Ready::InTime(prepared), Effort::Verlet { steps, .. }) = (&self.ready, &mut effort)
-        {
+        if let (Some(motion), Effort::Verlet { steps, .. }) = (self.ready.motion(), &mut effort) {
             let exchanges = (duration / numerics.exchange_interval).round();
-            let whole = exchanges * prepared.steps_per_exchange as f64;
+            let whole = exchanges * motion.steps_per_exchange as f64;
             *steps = whole as u64;
-            spring_updates = Some(whole * self.made.simulation.mesh.springs.len() as f64);
+            spring_updates = Some(whole * self.made.report.springs as f64);
         }
         RunPlan { effort, spring_updates, estimated_s }
     }

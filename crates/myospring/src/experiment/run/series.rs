@@ -52,6 +52,6 @@ impl RunSeries {
             None => simulation.shared_path(Tolerance::default())?,
         };
         let path = self.path.insert(path);
-        path.prepare(simulation).map(Ready::AlongPath)
+        path.prepare(simulation)
     }
 }

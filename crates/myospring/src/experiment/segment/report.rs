@@ -1,13 +1,12 @@
 //! What was found in a picture, for machines and for people.
 
 use crate::mesh::Mesh;
-use crate::mesh::quality::MeshReport;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::fibres::FibreError;
 use crate::microscopy::report::ShapeReport;
 use crate::microscopy::segment::Confidence;
 use crate::run_file::{Shape, ShapeError};
-use crate::settings::{FibreDirection, FibreReport, Fibres};
+use crate::settings::{FibreDirection, FibreReport, Fibres, Meshed};
 use serde::Serialize;
 
 /// What was found, as `report.json` has it.
@@ -80,7 +79,7 @@ pub struct Chosen {
     /// The cell.
     pub cell: PictureCell,
     /// Its lattice, or why there is none.
-    pub lattice: Result<(Mesh, MeshReport), ShapeError>,
+    pub lattice: Result<Meshed, ShapeError>,
     /// Its fibres, if they were searched.
     pub fibres: Option<Fibres>,
 }
@@ -102,7 +101,7 @@ impl Chosen {
         fibre: FibreDirection,
         cells: &PictureCells,
     ) -> Result<(), FibreError> {
-        if let Ok((mesh, _)) = &self.lattice {
+        if let Ok(Meshed { mesh, .. }) = &self.lattice {
             self.fibres = Some(fibre.on(mesh, Some((cells, &self.cell)))?);
         }
         Ok(())
@@ -110,7 +109,7 @@ impl Chosen {
 
     /// The lattice with its fibres, where there are both.
     pub(super) fn mesh_and_fibres(&self) -> Option<(&Mesh, &Fibres)> {
-        let (mesh, _) = self.lattice.as_ref().ok()?;
+        let Meshed { mesh, .. } = self.lattice.as_ref().ok()?;
         Some((mesh, self.fibres.as_ref()?))
     }
 }
@@ -129,7 +128,7 @@ impl<'a> SegmentReport<'a> {
             name: &cell.name,
             confidence: &cell.confidence,
             shape: &cell.shape,
-            lattice: lattice.as_ref().ok().map(|(mesh, report)| LatticeReport {
+            lattice: lattice.as_ref().ok().map(|Meshed { mesh, report, .. }| LatticeReport {
                 spacing_um: report.spacing_um,
                 masses: mesh.len(),
                 springs: mesh.springs.len(),

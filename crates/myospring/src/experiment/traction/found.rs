@@ -231,7 +231,12 @@ impl FoundTractions {
             force(TRACTION_FORCE, |frame| frame.force_nn),
             force(AXIAL_FORCE, |frame| frame.axial_force_nn),
         ];
-        let recording = Recording { samples: samples.collect(), frames: vec![frame], signals };
+        let recording = Recording {
+            samples: samples.collect(),
+            frames: vec![frame],
+            signals,
+            ..Recording::default()
+        };
         let fields = Fields::new(&mesh, &fibres, None)?;
         figure::traction(&DrawnCell::new(fields, None)?, &recording, &[])
     }

@@ -19,7 +19,7 @@ worded! { AreaLaw {
 pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
         "material.young_modulus",
-        "Young's modulus of the sheet formed by the springs.",
+        "Young's modulus of the sheet formed by the springs, or of the solid of a thick cell.",
         Bounds::any(Dimension::Pressure, "308 kPa").from(0.1).to(1e6),
         |run| match run.material.stiffness {
             Stiffness::YoungModulus(modulus) => Some(modulus),
@@ -41,10 +41,15 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "material.thickness",
-        "Thickness of the cell.",
+        "Thickness of the cell; where it varies, the greatest.",
         Bounds::any(Dimension::Length, "10 um").above(0.0).to(100.0),
         |run| Some(run.material.thickness),
-        |run, thickness| run.material.thickness = thickness,
+        |run, thickness| {
+            run.material.thickness = thickness;
+            if let Some(form) = &mut run.shape.form {
+                form.thickness = thickness;
+            }
+        },
     )
     .option("--thickness", "LENGTH"),
     Setting::new(
@@ -52,7 +57,7 @@ pub(super) const ROWS: &[Setting] = &[
         "Law of area preservation.",
         ValueKind::Words {
             words: AreaLaw::WORDS,
-            get: |run| Some(run.material.area_law.word()),
+            get: |run| run.shape.form.is_none().then(|| run.material.area_law.word()),
             set: |run, word| choose(&mut run.material.area_law, word),
         },
     )
@@ -61,8 +66,24 @@ pub(super) const ROWS: &[Setting] = &[
         "material.area_modulus",
         "Stiffness of the area law per thickness.",
         Bounds::any(Dimension::Pressure, "175 kPa").from(0.0).to(1e6),
-        |run| Some(run.material.area_modulus),
+        |run| run.shape.form.is_none().then_some(run.material.area_modulus),
         |run, modulus| run.material.area_modulus = modulus,
+    ),
+    Setting::quantity(
+        "material.poisson_ratio",
+        "Poisson's ratio of a thick cell. Near 0.5 it keeps its volume; 0.25 is that of springs alone. A flat cell has `area_modulus` \
+         instead.",
+        Bounds::any(Dimension::Number, "0.49").from(0.25).to(0.499),
+        |run| run.shape.form.map(|_| run.material.poisson_ratio),
+        |run, ratio| run.material.poisson_ratio = ratio,
+    )
+    .otherwise("0.49"),
+    Setting::quantity(
+        "material.fibre_modulus",
+        "What the fibres add to Young's modulus along themselves.",
+        Bounds::any(Dimension::Pressure, "100 kPa").from(0.0).to(1e6),
+        |run| Some(run.material.fibre_modulus),
+        |run, modulus| run.material.fibre_modulus = modulus,
     ),
     Setting::quantity(
         "material.damping_ratio",

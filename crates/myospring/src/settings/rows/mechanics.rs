@@ -218,6 +218,19 @@ pub(super) const ROWS: &[Setting] = &[
         "LENGTH",
         "Length of the sarcomere at which the cell model's stretch is 1",
     ),
+    Setting::quantity(
+        "mechanics.helix_angle",
+        "Angle by which the fibres of a thick cell turn from its lowest to its highest point, counter-clockwise as seen from above.",
+        Bounds::any(Dimension::Angle, "40 deg").from(-180.0).to(180.0),
+        |run| run.shape.form.map(|_| run.helix_angle),
+        |run, angle| run.helix_angle = angle,
+    )
+    .otherwise("0 deg")
+    .option_saying(
+        "--helix-angle",
+        "ANGLE",
+        "Angle by which the fibres of a thick cell turn from its lowest to its highest point",
+    ),
     Setting::new(
         "mechanics.support",
         "The support of the cell.",

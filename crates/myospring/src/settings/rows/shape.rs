@@ -5,11 +5,54 @@ use super::super::problem::Problem;
 use super::super::run::Run;
 use super::super::setting::{Setting, ValueKind};
 use super::super::shape::{OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Source};
+use super::super::words::{Word, Worded, worded};
+use crate::integrate::Method;
+use crate::mechanics::material::of_thick_cell;
 use crate::mesh::built_in;
 use crate::mesh::pixel_size::PixelSize;
+use crate::mesh::profile::Profile;
+use crate::mesh::thick::Form;
 use crate::microscopy::cells::PictureOptions;
 use crate::microscopy::segment::{Choice, LARGEST_LABEL};
 use crate::units::Dimension;
+
+/// A flat cell, or how the thickness of a thick one varies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ProfileName {
+    Flat,
+    Round,
+    Dome,
+    Slab,
+}
+
+impl ProfileName {
+    fn of(form: Option<Form>) -> Self {
+        match form.map(|form| form.profile) {
+            None => Self::Flat,
+            Some(Profile::Round) => Self::Round,
+            Some(Profile::Dome) => Self::Dome,
+            Some(Profile::Slab) => Self::Slab,
+        }
+    }
+
+    fn profile(self) -> Option<Profile> {
+        match self {
+            Self::Flat => None,
+            Self::Round => Some(Profile::Round),
+            Self::Dome => Some(Profile::Dome),
+            Self::Slab => Some(Profile::Slab),
+        }
+    }
+}
+
+worded! { ProfileName {
+    ProfileName::Flat = "flat": "A flat cell: a sheet of constant thickness that contracts in its plane.",
+    ProfileName::Round = "round":
+        "A thick cell, rounded above and below: its section is an ellipse.",
+    ProfileName::Dome = "dome":
+        "A thick cell with a flat underside, rounded above, as it lies on a gel or on glass.",
+    ProfileName::Slab = "slab": "A thick cell of the same thickness everywhere.",
+} }
 
 pub(super) const ROWS: &[Setting] = &[
     Setting::new(
@@ -125,6 +168,22 @@ pub(super) const ROWS: &[Setting] = &[
         "ANGLE",
         "Rotate an outline or the built-in cell counter-clockwise",
     ),
+    Setting::new(
+        "shape.profile",
+        "Section of the cell across its plane. A thick cell is made of cubes; its greatest thickness is `thickness` in \
+         [material], and what a picture does not show of it is assumed.",
+        ValueKind::Words {
+            words: ProfileName::WORDS,
+            get: |run| Some(ProfileName::of(run.shape.form).word()),
+            set: set_profile,
+        },
+    )
+    .option_saying(
+        "--profile",
+        "NAME",
+        "Section of the cell across its plane: flat, or of a thick cell round, dome (flat underside) or slab; its greatest \
+         thickness is --thickness",
+    ),
     Setting::quantity(
         "shape.spacing",
         "Distance between neighbouring masses.",
@@ -133,9 +192,23 @@ pub(super) const ROWS: &[Setting] = &[
         |run| run.shape.spacing,
         |run, spacing| run.shape.spacing = Some(spacing),
     )
-    .otherwise("such that the cell has about 2000 of them")
+    .otherwise("such that a flat cell has about 2000 of them, a thick one about 4000 and 4 cubes across its thickness")
     .option("--spacing", "LENGTH"),
 ];
+
+/// A thick cell moves along its equilibria unless stated, and its material is that of a solid.
+fn set_profile(run: &mut Run, word: &str) -> Option<()> {
+    let Some(profile) = ProfileName::of_word(word)?.profile() else {
+        run.shape.form = None;
+        return Some(());
+    };
+    if run.shape.form.is_none() {
+        run.material = of_thick_cell(run.material.clone());
+        run.numerics.method = Method::QuasiStatic;
+    }
+    run.shape.form = Some(Form { profile, thickness: run.material.thickness });
+    Some(())
+}
 
 fn set_built_in(run: &mut Run, name: &str) -> Result<(), Problem> {
     let known = built_in::CELLS.iter().map(|cell| cell.name);

@@ -20,8 +20,8 @@ pub(super) fn beats(model: &dyn CellModel, protocol: &Protocol, timed: &[Timed])
     let calcium: Option<Vec<f64>> = timed.iter().map(read).collect();
     let recording = Recording {
         samples: timed.iter().map(sample).collect(),
-        frames: Vec::new(),
         signals: calcium.map(signal).into_iter().collect(),
+        ..Recording::default()
     };
     // A beat of which there is more than its rest.
     let last = timed.last().map_or(f64::NEG_INFINITY, |(t_ms, _)| *t_ms);

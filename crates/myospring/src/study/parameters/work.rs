@@ -14,6 +14,7 @@ use crate::integrate::Method;
 use crate::integrate::quasi_static::Tolerance;
 use crate::interruption::Interruption;
 use crate::mesh::Mesh;
+use crate::mesh::thick::Thick;
 use crate::output::files::FileError;
 use crate::recording::Sample;
 use crate::run_file::RunFile;
@@ -67,6 +68,7 @@ struct Body {
 
 struct Meshed {
     mesh: Mesh,
+    thick: Option<Arc<Thick>>,
     places: Places,
 }
 
@@ -316,14 +318,19 @@ impl Common {
         let made = run.make(shaped.clone(), read);
         let made = made.map_err(|error| ParameterStudyError::Base(error.to_string()))?.simulation;
         let shares_path = self.keys().all(|key| starts(key, &TENSION_ONLY));
-        let same_shape = !self.keys().any(|key| starts(key, &SHAPING));
+        let shapes = |key: &str| {
+            starts(key, &SHAPING) || (run.shape.form.is_some() && key == "material.thickness")
+        };
+        let same_shape = !self.keys().any(shapes);
         let same_mesh = same_shape && !self.keys().any(|key| starts(key, &FIBRES));
-        let Simulation { mesh, fibres, myofibril_content, resting_stretch, adhesion, .. } = made;
+        let Simulation {
+            mesh, thick, fibres, myofibril_content, resting_stretch, adhesion, ..
+        } = made;
         let places = Places { fibres, myofibril_content, resting_stretch, adhesion };
         self.body = Some(Body {
             bytes,
             shaped: Some(shaped).filter(|_| same_shape && !same_mesh),
-            meshed: Some(Meshed { mesh, places }).filter(|_| same_mesh),
+            meshed: Some(Meshed { mesh, thick, places }).filter(|_| same_mesh),
             shares_path,
             path: Mutex::default(),
         });
@@ -412,17 +419,17 @@ impl Common {
             }
             path.clone().ok_or("there is no path")??
         };
-        Ok(Ready::AlongPath(path.prepare(&simulation)?))
+        Ok(path.prepare(&simulation)?)
     }
 
     fn simulation(&self, body: &Body, run: &Run) -> Result<Simulation, Cause> {
         let read = |path: &str| {
             self.files.get(path).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
         };
-        if let Some(Meshed { mesh, places }) = &body.meshed {
+        if let Some(Meshed { mesh, thick, places }) = &body.meshed {
             let (cell, _) = run.driven(read)?;
             let (start_state, _) = run.start_state(&cell)?;
-            let simulation = run.simulation(mesh.clone(), places.clone());
+            let simulation = run.simulation(mesh.clone(), thick.clone(), places.clone());
             return Ok(Simulation { cell, start_state, ..simulation });
         }
         let shaped = body.shaped.clone().map_or_else(|| run.shape.mesh(&body.bytes), Ok)?;

@@ -1,0 +1,191 @@
+//! A thick cell: cubes above its outline, by the same runs as a flat one.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use myospring::analysis::value;
+use myospring::integrate::quasi_static::Tolerance;
+use myospring::integrate::verlet::Integrator;
+use myospring::integrate::{Method, engine::Loops};
+use myospring::mechanics::material::{Material, Stiffness, default_material, of_thick_cell};
+use myospring::mechanics::support::SupportKind;
+use myospring::mesh::built_in;
+use myospring::mesh::outline::Outline;
+use myospring::mesh::profile::Profile;
+use myospring::mesh::thick::{self, Form};
+use myospring::recording::{LENGTH_BOTTOM, LENGTH_TOP, THICKNESS, VOLUME};
+use myospring::simulation::equilibria::TensionResponse;
+use myospring::simulation::{Outcome, Simulation};
+use std::sync::Arc;
+
+fn cell(outline: &Outline, form: Form, spacing: f64) -> Simulation {
+    let (mesh, thick, _) = thick::from_outline(outline, form, Some(spacing)).unwrap();
+    let mut simulation = Simulation::new(mesh);
+    simulation.thick = Some(Arc::new(thick));
+    simulation.material = of_thick_cell(default_material());
+    simulation.numerics.method = Method::QuasiStatic;
+    simulation
+}
+
+fn rectangle(length: f64, width: f64) -> Outline {
+    let geojson = format!(
+        r#"{{"type":"Polygon","coordinates":[[[0,0],[{length},0],[{length},{width}],[0,{width}],[0,0]]]}}"#
+    );
+    Outline::from_geojson(&geojson).unwrap()
+}
+
+/// A block of 48 x 12 x 8 um in cubes of 2 um.
+fn block() -> Simulation {
+    cell(&rectangle(48.0, 12.0), Form { profile: Profile::Slab, thickness: 8.0 }, 2.0)
+}
+
+fn beaten(simulation: &Simulation) -> Outcome {
+    let outcome = simulation.build().unwrap().run(|_| true);
+    assert_eq!(outcome.stop, None);
+    outcome
+}
+
+fn signal<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
+    &outcome.recording.signals.iter().find(|signal| signal.name == name).unwrap().values
+}
+
+fn peak(simulation: &Simulation) -> f64 {
+    let samples = beaten(simulation).recording.samples;
+    samples.iter().map(|sample| sample.shortening_pct).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_cell_of_any_profile_shortens_and_widens_as_its_material_says() {
+    // From the energy of a homogeneous cell alone (a separate program): 12.00, 9.96 and 7.75 % at 50, 40 and 30 kPa, widening
+    // 6.43 %, area -6.34 %, volume -0.32 %.
+    let outline = built_in::adult_ventricular();
+    for profile in Profile::ALL {
+        let mut simulation = cell(&outline, Form { profile, thickness: 10.0 }, 2.5);
+        for (tension, shortening) in [(50.0, 12.0), (40.0, 9.96), (30.0, 7.75)] {
+            simulation.peak_tension = tension;
+            let found = peak(&simulation);
+            // Half of the last digit of those numbers.
+            assert!((found - shortening).abs() < 0.006, "{profile:?}, {tension} kPa: {found} %");
+        }
+        simulation.peak_tension = 50.0;
+        let outcome = beaten(&simulation);
+        let beat = &outcome.beats()[0];
+        let of = |name: &str| beat.value(name).unwrap();
+        assert!((of("peak_thickening") - 6.43).abs() < 0.006, "{}", of("peak_thickening"));
+        assert!((of("volume_change") + 0.32).abs() < 0.006, "{}", of("volume_change"));
+        assert!((of("top_shortening") - of("bottom_shortening")).abs() < 1e-6);
+        let [first, last] = [0, outcome.recording.frames.len() - 1]
+            .map(|at| outcome.recording.in_space[at].clone());
+        assert_eq!(first, simulation.thick.as_ref().unwrap().mesh.points);
+        assert_eq!(last[0].len(), first[0].len());
+        let area = value(&beat.shape, "area_change");
+        assert!(area.is_none_or(|area| (area + 6.34).abs() < 0.02), "{area:?}");
+    }
+}
+
+#[test]
+fn a_thick_cell_moves_in_time_as_along_its_equilibria() {
+    let mut simulation = block();
+    // The slowest vibration is a hundredth of the twitch, and volume is kept less strictly: larger steps.
+    simulation.material.poisson_ratio = 0.4;
+    simulation.duration = 250.0;
+    let still = beaten(&simulation);
+    simulation.numerics.method = Method::Verlet(Integrator::StoermerVerlet);
+    let moving = beaten(&simulation);
+    let pairs = still.recording.samples.iter().zip(&moving.recording.samples);
+    let lag = pairs.map(|(a, b)| (a.shortening_pct - b.shortening_pct).abs()).fold(0.0, f64::max);
+    // The lag of the drag at the steepest rise, 2 lengths a second: some 0.1 ms.
+    assert!(lag < 0.05, "{lag} % of the length");
+    for sample in &moving.recording.samples {
+        assert!(sample.momentum_nn_ms < 1e-9 && sample.angular_momentum_nn_um_ms < 1e-7);
+    }
+    let last = moving.recording.samples.last().unwrap();
+    let missing = last.active_work_fj
+        - (last.elastic_energy_fj + last.kinetic_energy_fj + last.dissipated_energy_fj);
+    assert!(missing.abs() < 0.01 * last.active_work_fj, "{missing} of {} fJ", last.active_work_fj);
+    simulation.numerics.engine.loops = Loops::Fused;
+    let refused = simulation.build().err().unwrap().to_string();
+    assert!(refused.contains("a thick cell"), "{refused}");
+}
+
+#[test]
+fn a_bed_under_a_thick_cell_holds_its_lower_face_more_than_its_upper_one() {
+    // 100 x 20 x 10 um, 50 kPa: shortening of the lower and the upper face by a separate program.
+    let mut simulation =
+        cell(&rectangle(100.0, 20.0), Form { profile: Profile::Slab, thickness: 10.0 }, 2.0);
+    for (bed, bottom, top) in [(0.1, 11.37, 12.25), (1.0, 9.16, 11.76), (10.0, 3.96, 7.81)] {
+        simulation.support = SupportKind::ElasticBed { stiffness: bed };
+        let beats = beaten(&simulation).beats();
+        let of = |name: &str| beats[0].value(name).unwrap();
+        let found = [of("bottom_shortening"), of("top_shortening")];
+        // That program took the faces' ends, this one the mean of a twentieth of the length.
+        assert!(
+            (found[0] - bottom).abs() < 0.15 && (found[1] - top).abs() < 0.15,
+            "{bed}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn fibres_that_turn_through_the_thickness_shorten_the_cell_less_and_keep_its_volume() {
+    let mut simulation = block();
+    let straight = peak(&simulation);
+    simulation.helix_angle = 50_f64.to_radians();
+    let outcome = beaten(&simulation);
+    let turned = outcome.beats()[0].value("peak_shortening").unwrap();
+    assert!(turned < straight - 0.5 && turned > 0.5 * straight, "{turned}, {straight}");
+    let change = outcome.beats()[0].value("volume_change").unwrap();
+    assert!(change.abs() < 1.0, "{change} %");
+    for name in [THICKNESS, VOLUME, LENGTH_TOP, LENGTH_BOTTOM] {
+        assert_eq!(signal(&outcome, name).len(), outcome.recording.samples.len());
+    }
+}
+
+#[test]
+fn stiffness_along_the_fibre_adds_to_that_along_it_and_not_across() {
+    // Small tension along stiff fibres: strain Ta/(E + k_f).
+    let mut simulation = block();
+    let Material { stiffness: Stiffness::YoungModulus(modulus), .. } = simulation.material else {
+        panic!("the default material has a modulus")
+    };
+    simulation.peak_tension = 0.01 * modulus;
+    let soft = peak(&simulation);
+    simulation.material.fibre_modulus = modulus;
+    let stiff = peak(&simulation);
+    assert!((soft / stiff - 2.0).abs() < 0.02, "{soft} %, {stiff} %");
+    // Across the fibres nothing has changed.
+    let axis = simulation.long_axis;
+    simulation.fibres.fill([-axis[1], axis[0]]);
+    let response = |simulation: &Simulation| {
+        simulation.response_to(0.01, Tolerance::default()).map(|it| it.shortening(1.0)[0])
+    };
+    assert!(response(&simulation).is_err() || response(&simulation).unwrap() < 0.0);
+}
+
+#[test]
+fn supports_that_hold_ends_and_contents_by_place_serve_a_thick_cell() {
+    let mut simulation = block();
+    let free = peak(&simulation);
+    simulation.support = SupportKind::SpringHeldEnds { stiffness: 200.0 };
+    let outcome = beaten(&simulation);
+    let force = outcome.beats()[0].value("peak_end_force").unwrap();
+    let held = outcome.beats()[0].value("peak_shortening").unwrap();
+    // Each end moves by half of the shortening of 48 um.
+    assert!(
+        held < free && (force / (200.0 * 0.5 * 0.48 * held) - 1.0).abs() < 0.03,
+        "{force} nN, {held} %"
+    );
+    simulation.support = SupportKind::ClampedEnds;
+    let isometric = beaten(&simulation).beats()[0].value("peak_end_force").unwrap();
+    // 50 kPa on 96 um^2.
+    assert!((isometric / 4800.0 - 1.0).abs() < 0.02, "{isometric} nN");
+    simulation.support = SupportKind::AfterloadedEnds { load: 0.5 * isometric };
+    let loaded = beaten(&simulation).beats()[0].value("peak_shortening").unwrap();
+    assert!(loaded > 0.0 && loaded < free, "{loaded} %");
+    simulation.support = SupportKind::MassCentre;
+    simulation.myofibril_content = Some(vec![1.0; simulation.mesh.simplices.len()]);
+    assert!((peak(&simulation) - free).abs() < 1e-9);
+    simulation.myofibril_content = Some(vec![0.5; simulation.mesh.simplices.len()]);
+    let half = peak(&simulation);
+    simulation.myofibril_content = None;
+    simulation.peak_tension = 25.0;
+    assert!((peak(&simulation) - half).abs() < 1e-3, "{half}");
+}
