@@ -1,5 +1,5 @@
-//! Fields by which a cell is coloured in figures, films, pages and files: values by triangle, their
-//! units and colours.
+//! Fields by which a cell is coloured in figures, films, pages and files: values by triangle (of a
+//! thick cell by tetrahedron), their units and colours.
 //!
 //! [`Field`] names them, [`Fields`] computes them on one mesh, [`ColourScale`] gives their colours: one scale for all
 //! frames of a run, so that a colour means the same throughout.
@@ -9,7 +9,8 @@ mod colour;
 pub use colour::ColourScale;
 pub(crate) use colour::light_to_dark;
 
-use myospring_core::mesh::{Mesh, Simplex};
+use crate::digits::point;
+use myospring_core::mesh::{Mesh, Simplex, simplex};
 use myospring_core::recording::Frame;
 
 /// A quantity that has a value in each place of the cell.
@@ -19,10 +20,13 @@ pub enum Field {
     #[default]
     FibreStrain,
     /// Strain of the direction that is across the fibre at rest: `|F n0| - 1`, with n0 at a right
-    /// angle to f0.
+    /// angle to f0. In a thick cell many directions are: `sqrt(|cof(F) f0|) - 1`, the mean strain of
+    /// the section across the fibre.
     CrossStrain,
     /// Area relative to that at rest: the determinant of F.
     AreaRatio,
+    /// Volume of a thick cell relative to that at rest: the determinant of F.
+    VolumeRatio,
     /// Active tension along the fibre times the content of myofibrils.
     ActiveStress,
     /// Distance from the position at rest.
@@ -36,28 +40,28 @@ pub enum Field {
 pub enum FieldError {
     /// Fibres or contents of another mesh.
     #[error(
-        "{found} {what} were given for {triangles} triangles; give one for each triangle of this mesh"
+        "{found} {what} were given for {count} {of}; give one for each of the {of} of this mesh"
     )]
     Count {
         /// Fibre directions or contents.
         what: &'static str,
         /// How many were given.
         found: usize,
-        /// How many triangles the mesh has.
-        triangles: usize,
+        /// How many triangles or tetrahedra the mesh has.
+        count: usize,
+        /// Triangles or tetrahedra.
+        of: &'static str,
     },
     /// A fibre direction without length.
-    #[error("the fibre direction ({x}, {y}) has no finite length above 0; give one like (1, 0)")]
+    #[error("the fibre direction {direction} has no finite length above 0; give one like (1, 0)")]
     Fibre {
-        /// Component along x.
-        x: f64,
-        /// Component along y.
-        y: f64,
+        /// Its components: `(0, 0)`.
+        direction: String,
     },
 }
 
 impl Field {
-    /// All fields, the default first.
+    /// All fields of a flat cell, the default first.
     pub const ALL: [Self; 6] = [
         Self::FibreStrain,
         Self::CrossStrain,
@@ -67,8 +71,17 @@ impl Field {
         Self::Traction,
     ];
 
+    /// Fields of a thick cell, the default first.
+    pub const THICK: [Self; 5] = [
+        Self::FibreStrain,
+        Self::CrossStrain,
+        Self::VolumeRatio,
+        Self::ActiveStress,
+        Self::Displacement,
+    ];
+
     /// Whether frames have it: active stress only those of a simulated cell, tractions only those of one on a gel.
-    pub fn is_known(self, frames: &[&Frame], has_tension: bool) -> bool {
+    pub fn is_known<const D: usize>(self, frames: &[&Frame<D>], has_tension: bool) -> bool {
         match self {
             Self::ActiveStress => has_tension,
             Self::Traction => frames.iter().all(|frame| frame.on_gel_nn.is_some()),
@@ -82,6 +95,7 @@ impl Field {
             Self::FibreStrain => "fibre-strain",
             Self::CrossStrain => "cross-strain",
             Self::AreaRatio => "area-ratio",
+            Self::VolumeRatio => "volume-ratio",
             Self::ActiveStress => "active-stress",
             Self::Displacement => "displacement",
             Self::Traction => "traction",
@@ -94,6 +108,7 @@ impl Field {
             Self::FibreStrain => "Fibre strain",
             Self::CrossStrain => "Strain across the fibre",
             Self::AreaRatio => "Area over area at rest",
+            Self::VolumeRatio => "Volume over volume at rest",
             Self::ActiveStress => "Active stress",
             Self::Displacement => "Displacement",
             Self::Traction => "Traction on the gel",
@@ -104,7 +119,7 @@ impl Field {
     pub const fn unit(self) -> &'static str {
         match self {
             Self::FibreStrain | Self::CrossStrain => "%",
-            Self::AreaRatio => "",
+            Self::AreaRatio | Self::VolumeRatio => "",
             Self::ActiveStress => "kPa",
             Self::Displacement => "um",
             Self::Traction => "Pa",
@@ -121,6 +136,7 @@ impl Field {
                 "change of length of what lies across the fibre at rest, per cent; positive where wider"
             }
             Self::AreaRatio => "projected area over that at rest; below 1 where smaller",
+            Self::VolumeRatio => "volume over that at rest; below 1 where smaller",
             Self::ActiveStress => "active tension along the fibre times the content of myofibrils",
             Self::Displacement => "distance from the position at rest",
             Self::Traction => {
@@ -132,7 +148,7 @@ impl Field {
     /// Its value in a cell at rest without tension.
     pub const fn at_rest(self) -> f64 {
         match self {
-            Self::AreaRatio => 1.0,
+            Self::AreaRatio | Self::VolumeRatio => 1.0,
             _ => 0.0,
         }
     }
@@ -147,7 +163,7 @@ impl Field {
     pub const fn least_range(self) -> f64 {
         match self {
             Self::FibreStrain | Self::CrossStrain | Self::ActiveStress | Self::Traction => 1.0,
-            Self::AreaRatio => 0.01,
+            Self::AreaRatio | Self::VolumeRatio => 0.01,
             Self::Displacement => 0.1,
         }
     }
@@ -178,39 +194,62 @@ impl Field {
     }
 }
 
-/// The fields of a cell.
+/// The fields of a cell: `D` = 2, `N` = 3 of a flat one, `D` = 3, `N` = 4 of a thick one.
 #[derive(Debug, Clone)]
-pub struct Fields<'a> {
-    mesh: &'a Mesh,
-    /// One for each triangle.
-    shapes: Vec<Shape>,
+pub struct Fields<'a, const D: usize = 2, const N: usize = 3> {
+    mesh: &'a Mesh<D, N>,
+    /// One for each triangle or tetrahedron.
+    shapes: Vec<Shape<D>>,
     content: Option<&'a [f64]>,
 }
 
-/// A triangle at rest.
+/// A triangle or tetrahedron at rest.
 #[derive(Debug, Clone, Copy)]
-struct Shape {
-    /// Twice its area, um^2; 0 of one without a shape.
-    double_area: f64,
-    /// The unit vector of its fibre, and the one across, as parts of its two edges.
-    along: [f64; 2],
-    across: [f64; 2],
+struct Shape<const D: usize> {
+    /// Its area or volume, um^2 or um^3; 0 of one without a shape.
+    measure: f64,
+    /// The unit vector of its fibre as parts of its edges.
+    along: [f64; D],
+    /// Unit vectors across the fibre, likewise: one with two axes, two with three.
+    across: [[f64; D]; 2],
 }
 
-impl Shape {
-    /// Of a triangle with a fibre along a unit vector.
-    fn of(mesh: &Mesh, triangle: &Simplex<3>, [x, y]: [f64; 2]) -> Self {
-        let rest = edges(&mesh.points, triangle);
-        let double_area = cross(rest[0], rest[1]);
+impl<const D: usize> Shape<D> {
+    /// Of a simplex with a fibre along a unit vector.
+    fn of<const N: usize>(mesh: &Mesh<D, N>, simplex: &Simplex<N>, fibre: [f64; D]) -> Self {
+        let corners = simplex.nodes.map(|node| mesh.point(node as usize));
+        let measure = simplex::measure(&corners);
+        // A vector v is the sum of the edges from the first corner times (grad N_i . v).
+        let gradients = simplex::measure_gradients(&corners);
         let parts =
-            |v: [f64; 2]| [cross(v, rest[1]) / double_area, cross(rest[0], v) / double_area];
-        Self { double_area, along: parts([x, y]), across: parts([-y, x]) }
+            |v: [f64; D]| std::array::from_fn(|edge| dot(&gradients[edge + 1], &v) / measure);
+        Self { measure, along: parts(fibre), across: across(fibre).map(parts) }
     }
 }
 
-impl<'a> Fields<'a> {
-    /// Fields of a mesh with fibre directions by triangle (of any length), and the content of
-    /// myofibrils by triangle if it is not uniform.
+/// Unit vectors at right angles to one and to each other; with two axes the second is zero.
+fn across<const D: usize>(fibre: [f64; D]) -> [[f64; D]; 2] {
+    let mut vectors = [[0.0; D]; 2];
+    if D == 2 {
+        vectors[0] = std::array::from_fn(|axis| [-fibre[1], fibre[0]][axis]);
+        return vectors;
+    }
+    // The axis along which the fibre is shortest is not parallel to it.
+    let least = (0..D).fold(0, |a, b| if fibre[b].abs() < fibre[a].abs() { b } else { a });
+    let mut first: [f64; D] = std::array::from_fn(|axis| -fibre[least] * fibre[axis]);
+    first[least] += 1.0;
+    let length = norm(first);
+    let first = first.map(|part| part / length);
+    let turned = |axis: usize| {
+        let [b, c] = [(axis + 1) % D, (axis + 2) % D];
+        fibre[b] * first[c] - fibre[c] * first[b]
+    };
+    [first, std::array::from_fn(turned)]
+}
+
+impl<'a, const D: usize, const N: usize> Fields<'a, D, N> {
+    /// Fields of a mesh with fibre directions by triangle or tetrahedron (of any length), and the
+    /// content of myofibrils by triangle or tetrahedron if it is not uniform.
     ///
     /// # Errors
     /// Fibres or contents of another mesh, fibres of no length.
@@ -231,48 +270,59 @@ impl<'a> Fields<'a> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(
-        mesh: &'a Mesh,
-        fibres: &[[f64; 2]],
+        mesh: &'a Mesh<D, N>,
+        fibres: &[[f64; D]],
         content: Option<&'a [f64]>,
     ) -> Result<Self, FieldError> {
-        let triangles = mesh.simplices.len();
+        let count = mesh.simplices.len();
+        let of = if D == 2 { "triangles" } else { "tetrahedra" };
         let counts =
             [("fibre directions", Some(fibres.len())), ("contents", content.map(<[f64]>::len))];
         for (what, found) in counts {
-            if let Some(found) = found.filter(|&found| found != triangles) {
-                return Err(FieldError::Count { what, found, triangles });
+            if let Some(found) = found.filter(|&found| found != count) {
+                return Err(FieldError::Count { what, found, count, of });
             }
         }
-        let unit = |&[x, y]: &[f64; 2]| {
-            let length = x.hypot(y);
+        let unit = |fibre: &[f64; D]| {
+            let length = fibre.iter().fold(0.0_f64, |length, part| length.hypot(*part));
             let direction = length.is_finite() && length > 0.0;
-            direction.then_some([x / length, y / length]).ok_or(FieldError::Fibre { x, y })
+            let unit = direction.then(|| fibre.map(|part| part / length));
+            unit.ok_or_else(|| FieldError::Fibre { direction: point(fibre) })
         };
         let shapes = mesh
             .simplices
             .iter()
             .zip(fibres)
-            .map(|(triangle, fibre)| unit(fibre).map(|fibre| Shape::of(mesh, triangle, fibre)));
+            .map(|(simplex, fibre)| unit(fibre).map(|fibre| Shape::of(mesh, simplex, fibre)));
         Ok(Self { mesh, shapes: shapes.collect::<Result<_, _>>()?, content })
     }
 
     /// The mesh.
-    pub fn mesh(&self) -> &'a Mesh {
+    pub fn mesh(&self) -> &'a Mesh<D, N> {
         self.mesh
     }
 
-    /// The value in each triangle, in the field's unit; for displacement and traction, the mean over the
-    /// corners.
+    /// The value in each triangle or tetrahedron, in the field's unit; for displacement and traction,
+    /// the mean over the corners.
     ///
     /// # Panics
     /// If the frame is one of another mesh.
-    pub fn on_triangles(&self, field: Field, frame: &Frame) -> Vec<f64> {
+    pub fn on_triangles(&self, field: Field, frame: &Frame<D>) -> Vec<f64> {
         match field {
-            Field::FibreStrain => self.strains(frame, |shape| shape.along),
-            Field::CrossStrain => self.strains(frame, |shape| shape.across),
-            Field::AreaRatio => self.by_shape(field, |triangle, shape| {
-                let [a, b] = edges(&frame.positions, triangle);
-                cross(a, b) / shape.double_area
+            Field::FibreStrain => {
+                self.strains(frame, |edges, shape| norm(moved(edges, shape.along)))
+            }
+            Field::CrossStrain => self.strains(frame, |edges, shape| {
+                let [a, b] = shape.across.map(|parts| moved(edges, parts));
+                if D == 2 {
+                    norm(a)
+                } else {
+                    // The area between both, which does not depend on the choice of them.
+                    (dot(&a, &a) * dot(&b, &b) - dot(&a, &b).powi(2)).max(0.0).sqrt().sqrt()
+                }
+            }),
+            Field::AreaRatio | Field::VolumeRatio => self.by_shape(field, |simplex, shape| {
+                simplex::measure_at(&frame.positions, simplex.nodes) / shape.measure
             }),
             Field::ActiveStress => {
                 let count = self.mesh.simplices.len();
@@ -285,54 +335,95 @@ impl<'a> Fields<'a> {
             }
             Field::Displacement | Field::Traction => {
                 let way = self.on_nodes(field, frame);
-                let mean = |triangle: &Simplex<3>| {
-                    triangle.nodes.iter().map(|&node| way[node as usize]).sum::<f64>() / 3.0
+                let mean = |simplex: &Simplex<N>| {
+                    simplex.nodes.iter().map(|&node| way[node as usize]).sum::<f64>() / N as f64
                 };
                 self.mesh.simplices.iter().map(mean).collect()
             }
         }
     }
 
-    /// The strain of a direction at rest, `|F v| - 1`, per cent: `F v = D_s D_m^-1 v`, the columns of D being two edges.
-    fn strains(&self, frame: &Frame, parts: impl Fn(&Shape) -> [f64; 2]) -> Vec<f64> {
-        self.by_shape(Field::FibreStrain, |triangle, shape| {
-            let (now, parts) = (edges(&frame.positions, triangle), parts(shape));
-            let [x, y] =
-                [0, 1].map(|axis: usize| now[0][axis] * parts[0] + now[1][axis] * parts[1]);
-            100.0 * ((x * x + y * y).sqrt() - 1.0)
+    /// A stretch minus 1, per cent, from the edges of each simplex at a time.
+    fn strains(
+        &self,
+        frame: &Frame<D>,
+        stretch: impl Fn(&[[f64; D]; D], &Shape<D>) -> f64,
+    ) -> Vec<f64> {
+        self.by_shape(Field::FibreStrain, |simplex, shape| {
+            100.0 * (stretch(&edges(&frame.positions, simplex), shape) - 1.0)
         })
     }
 
-    /// A value for each triangle; that at rest where one has no shape.
-    fn by_shape(&self, field: Field, value: impl Fn(&Simplex<3>, &Shape) -> f64) -> Vec<f64> {
+    /// A value for each simplex; that at rest where one has no shape.
+    fn by_shape(&self, field: Field, value: impl Fn(&Simplex<N>, &Shape<D>) -> f64) -> Vec<f64> {
         let pairs = self.mesh.simplices.iter().zip(&self.shapes);
-        let of = |(triangle, shape): (&Simplex<3>, &Shape)| {
-            if shape.double_area == 0.0 { field.at_rest() } else { value(triangle, shape) }
+        let of = |(simplex, shape): (&Simplex<N>, &Shape<D>)| {
+            if shape.measure == 0.0 { field.at_rest() } else { value(simplex, shape) }
         };
         pairs.map(of).collect()
     }
 
-    /// The value at each node: for displacement and traction its own, else the mean over adjacent triangles,
-    /// weighted by area.
+    /// The value at each node: for displacement and traction its own, else the mean over adjacent
+    /// triangles or tetrahedra, weighted by area or volume.
     ///
     /// # Panics
     /// If the frame is one of another mesh.
-    pub fn on_nodes(&self, field: Field, frame: &Frame) -> Vec<f64> {
+    pub fn on_nodes(&self, field: Field, frame: &Frame<D>) -> Vec<f64> {
+        let at = |axes: &[Vec<f64>; D], node: usize| axes.each_ref().map(|axis| axis[node]);
         if field == Field::Displacement {
-            let points = &self.mesh.points;
-            let way = |axis: usize, node: usize| frame.positions[axis][node] - points[axis][node];
-            let length = |node| (way(0, node).powi(2) + way(1, node).powi(2)).sqrt();
-            return (0..self.mesh.len()).map(length).collect();
+            let way = |node| {
+                let (now, rest) = (at(&frame.positions, node), at(&self.mesh.points, node));
+                norm(std::array::from_fn::<f64, D, _>(|axis| now[axis] - rest[axis]))
+            };
+            return (0..self.mesh.len()).map(way).collect();
         }
         if field == Field::Traction {
-            let Some([x, y]) = &frame.on_gel_nn else { return vec![0.0; self.mesh.len()] };
-            let pairs = x.iter().zip(y).zip(&self.mesh.areas);
+            let Some(forces) = &frame.on_gel_nn else { return vec![0.0; self.mesh.len()] };
             // 1 nN/um^2 is 1000 Pa.
-            return pairs.map(|((x, y), area)| 1000.0 * x.hypot(*y) / area).collect();
+            let of = |(node, area): (usize, &f64)| {
+                let force = at(forces, node).into_iter().fold(0.0, f64::hypot);
+                1000.0 * force / area
+            };
+            return self.mesh.areas.iter().enumerate().map(of).collect();
         }
         self.averaged(field.at_rest(), &self.on_triangles(field, frame))
     }
 
+    /// Averages values of triangles or tetrahedra to nodes: the mean over adjacent ones, weighted by
+    /// area or volume.
+    ///
+    /// # Panics
+    /// If there is not one value for each triangle or tetrahedron.
+    pub fn from_triangles(&self, values: &[f64]) -> Vec<f64> {
+        self.averaged(0.0, values)
+    }
+
+    fn averaged(&self, alone: f64, values: &[f64]) -> Vec<f64> {
+        assert_eq!(values.len(), self.mesh.simplices.len(), "one value for each simplex");
+        let mut sums = vec![[0.0; 2]; self.mesh.len()];
+        for ((simplex, shape), value) in self.mesh.simplices.iter().zip(&self.shapes).zip(values) {
+            let weight = simplex.weight * shape.measure.abs();
+            for node in simplex.nodes {
+                let [sum, weights] = &mut sums[node as usize];
+                *sum += weight * value;
+                *weights += weight;
+            }
+        }
+        let mean = |[sum, weights]: [f64; 2]| if weights > 0.0 { sum / weights } else { alone };
+        sums.into_iter().map(mean).collect()
+    }
+
+    /// Limits of the colour scale for some frames.
+    pub fn limits<'f>(
+        &self,
+        field: Field,
+        frames: impl IntoIterator<Item = &'f Frame<D>>,
+    ) -> [f64; 2] {
+        field.limits(frames.into_iter().flat_map(|frame| self.on_nodes(field, frame)))
+    }
+}
+
+impl Fields<'_> {
     /// Traction of the cell on its gel in each triangle along x and y, Pa, the mean over the corners; `None` of a cell on none.
     ///
     /// # Panics
@@ -347,50 +438,28 @@ impl<'a> Fields<'a> {
             self.mesh.simplices.iter().map(mean).collect()
         }))
     }
-
-    /// Averages values of triangles to nodes: the mean over adjacent triangles, weighted by area.
-    ///
-    /// # Panics
-    /// If there is not one value for each triangle.
-    pub fn from_triangles(&self, values: &[f64]) -> Vec<f64> {
-        self.averaged(0.0, values)
-    }
-
-    fn averaged(&self, alone: f64, values: &[f64]) -> Vec<f64> {
-        assert_eq!(values.len(), self.mesh.simplices.len(), "one value for each triangle");
-        let mut sums = vec![[0.0; 2]; self.mesh.len()];
-        for (triangle, value) in self.mesh.simplices.iter().zip(values) {
-            let [a, b] = edges(&self.mesh.points, triangle);
-            let weight = triangle.weight * cross(a, b).abs();
-            for node in triangle.nodes {
-                let [sum, weights] = &mut sums[node as usize];
-                *sum += weight * value;
-                *weights += weight;
-            }
-        }
-        let mean = |[sum, weights]: [f64; 2]| if weights > 0.0 { sum / weights } else { alone };
-        sums.into_iter().map(mean).collect()
-    }
-
-    /// Limits of the colour scale for some frames.
-    pub fn limits<'f>(
-        &self,
-        field: Field,
-        frames: impl IntoIterator<Item = &'f Frame>,
-    ) -> [f64; 2] {
-        field.limits(frames.into_iter().flat_map(|frame| self.on_nodes(field, frame)))
-    }
 }
 
-fn edges(positions: &[Vec<f64>; 2], triangle: &Simplex<3>) -> [[f64; 2]; 2] {
-    let at =
-        |corner: usize| [0, 1].map(|axis: usize| positions[axis][triangle.nodes[corner] as usize]);
-    let [a, b, c] = [at(0), at(1), at(2)];
-    [[b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]]
+/// Edges from the first corner to each other one.
+fn edges<const D: usize, const N: usize>(
+    positions: &[Vec<f64>; D],
+    simplex: &Simplex<N>,
+) -> [[f64; D]; D] {
+    let at = |corner: usize, axis: usize| positions[axis][simplex.nodes[corner] as usize];
+    std::array::from_fn(|edge| std::array::from_fn(|axis| at(edge + 1, axis) - at(0, axis)))
 }
 
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
+/// A vector whose parts of the edges are given.
+fn moved<const D: usize>(edges: &[[f64; D]; D], parts: [f64; D]) -> [f64; D] {
+    std::array::from_fn(|axis| edges.iter().zip(parts).map(|(edge, part)| edge[axis] * part).sum())
+}
+
+fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn norm<const D: usize>(vector: [f64; D]) -> f64 {
+    dot(&vector, &vector).sqrt()
 }
 
 #[cfg(test)]

@@ -130,18 +130,16 @@ pub enum FigureError {
     },
     /// A position that is not finite.
     #[error(
-        "{what} puts point {node} at ({x}, {y}) um, which is not finite; draw an earlier frame and \
-         look at the time step"
+        "{what} puts point {node} at {at} um, which is not finite; draw an earlier frame and look at \
+         the time step"
     )]
     NotFinite {
         /// The frame or mesh.
         what: String,
         /// The point.
         node: usize,
-        /// Its x, um.
-        x: f64,
-        /// Its y, um.
-        y: f64,
+        /// Its position, um: `(0, NaN)`.
+        at: String,
     },
     /// A triangle or spring refers to a point that does not exist.
     #[error("the mesh refers to point {node}, but has {points} points; build it with `Mesh::new`")]
@@ -151,6 +149,12 @@ pub enum FigureError {
         /// Points in the mesh.
         points: usize,
     },
+    /// A thick mesh without cubes.
+    #[error(
+        "the thick cell has no cubes, so its surface cannot be drawn; draw one whose mesh has a \
+         lattice, such as `mesh::bar::block` makes"
+    )]
+    NoCubes,
     /// Fibres or contents that do not fit the mesh.
     #[error(transparent)]
     Field(#[from] FieldError),

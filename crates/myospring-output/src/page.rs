@@ -30,6 +30,7 @@ mod run;
 mod runs;
 mod table;
 mod template;
+mod thick;
 
 pub use cell::{BeatingCells, MovingCell};
 pub use chart::{Chart, Dot, Series, Side, Span, Tone};
@@ -43,3 +44,4 @@ pub use run::{PageRun, ParameterGroup, ParameterRow};
 pub use runs::{Difference, Runs};
 pub use table::{Column, Look, Row, Table, TableCell, Tile, VerdictMark, metric_words};
 pub use template::around_engine;
+pub use thick::ThickCell;
