@@ -465,7 +465,7 @@ fn norm<const D: usize>(vector: [f64; D]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use myospring_core::mesh::lattice;
+    use myospring_core::mesh::{bar, lattice};
 
     fn moved(mesh: &Mesh, map: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
         let both = mesh.points[0].iter().zip(&mesh.points[1]).map(|(&x, &y)| map(x, y));
@@ -515,6 +515,42 @@ mod tests {
     }
 
     #[test]
+    fn a_thick_cell_has_the_closed_form_of_a_homogeneous_deformation_too() {
+        let mesh = bar::block([4, 3, 2], 2.0).unwrap();
+        // Along the axes, then about a turn and a shift, which are no strain.
+        let (stretches, [sin, cos]) = ([0.88, 1.05, 1.02], [0.6, 0.8]);
+        let place = |node: usize| {
+            let [x, y, z] = mesh.point(node);
+            let [x, y, z] = [stretches[0] * x, stretches[1] * y, stretches[2] * z];
+            [cos * x - sin * z + 3.0, y - 1.0, sin * x + cos * z]
+        };
+        let positions =
+            [0, 1, 2].map(|axis: usize| (0..mesh.len()).map(|n| place(n)[axis]).collect());
+        let frame =
+            Frame { t_ms: 0.0, ta_kpa: 30.0, ta_by_triangle_kpa: None, on_gel_nn: None, positions };
+        let volume = stretches.iter().product::<f64>();
+        // Along an axis, and askew: |cof(F) f| of a diagonal F has the products of the other two.
+        for fibre in [[1.0, 0.0, 0.0], [0.0, 0.0, -2.0], [0.36, 0.48, 0.8]] {
+            let fields = Fields::new(&mesh, &vec![fibre; mesh.simplices.len()], None).unwrap();
+            let length = norm(fibre);
+            let unit = fibre.map(|part| part / length);
+            let along = norm([0, 1, 2].map(|axis: usize| stretches[axis] * unit[axis]));
+            let section = norm([0, 1, 2].map(|axis: usize| volume / stretches[axis] * unit[axis]));
+            for (field, wanted) in [
+                (Field::FibreStrain, 100.0 * (along - 1.0)),
+                (Field::CrossStrain, 100.0 * (section.sqrt() - 1.0)),
+                (Field::VolumeRatio, volume),
+                (Field::ActiveStress, 30.0),
+            ] {
+                close(&fields.on_triangles(field, &frame), wanted);
+                close(&fields.on_nodes(field, &frame), wanted);
+            }
+        }
+        let missing = Fields::new(&mesh, &[[1.0, 0.0, 0.0]], None).unwrap_err().to_string();
+        assert!(missing.contains("240 tetrahedra"), "{missing}");
+    }
+
+    #[test]
     fn turning_and_shifting_the_cell_is_no_strain() {
         let mesh = lattice::rectangle(6, 4, 2.0).unwrap();
         let (sin, cos) = 0.7f64.sin_cos();
@@ -545,7 +581,7 @@ mod tests {
     #[test]
     fn every_word_is_of_one_field() {
         let words: std::collections::BTreeSet<_> =
-            Field::ALL.iter().map(|field| field.word()).collect();
-        assert_eq!(words.len(), Field::ALL.len());
+            Field::ALL.iter().chain(&Field::THICK).map(|field| field.word()).collect();
+        assert_eq!(words.len(), Field::ALL.len() + 1);
     }
 }

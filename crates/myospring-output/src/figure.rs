@@ -5,6 +5,7 @@
 //! | [`action_potential_and_tension`] | potential and active tension over time | Fig. 3 |
 //! | [`mesh`] | the lattice made from a picture | Fig. 4a |
 //! | [`cell_shapes`] | the cell at rest, contracting and at its peak, coloured by a field | Fig. 5 |
+//! | [`thick_cell()`] | a thick cell from above and from the side, and sections through it | |
 //! | [`contraction`] | shortening over time, one or several curves | Fig. 6 |
 //! | [`compared()`] | curves and cells of several runs over each other | |
 //! | [`overview()`] | cell and curves of one run in one picture | |
@@ -59,8 +60,10 @@ mod raster;
 mod shapes;
 mod sheet;
 mod skin;
+mod slices;
 mod svg;
 mod theme;
+mod thick;
 mod thumbnail;
 mod traces;
 mod tracked;
@@ -89,6 +92,7 @@ pub use ranking::{Bar, Ranking, rankings};
 pub use shapes::cell_shapes;
 pub use sheet::Figure;
 pub use theme::Theme;
+pub use thick::{DrawnThickCell, thick_cell};
 pub(crate) use thumbnail::thumbnail;
 pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
 pub use tracked::{Tracked, TrackedFrame};

@@ -9,7 +9,7 @@ use myospring_core::mesh::{Mesh, surface};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Passes of the filter, and its two factors: one that shrinks, one that swells back.
-const PASSES: usize = 8;
+const PASSES: usize = 24;
 const FACTORS: [f64; 2] = [0.5, -0.53];
 
 /// A smooth closed surface that moves with the nodes of a mesh.

@@ -135,7 +135,7 @@ pub(super) fn outline(facets: &[Facet]) -> Vec<Vec<u32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use myospring_core::mesh::Lattice;
+    use myospring_core::mesh::{Lattice, bar};
 
     /// Two squares of side 2 beside each other.
     fn mesh() -> Mesh {
@@ -174,6 +174,19 @@ mod tests {
         let corners: Vec<_> = facets.iter().map(|facet| facet.corners.clone()).collect();
         assert_eq!(corners, [[0, 1, 4, 3], [1, 2, 5, 4]]);
         assert_eq!(facets[0].simplices.len(), 4);
+    }
+
+    #[test]
+    fn cubes_are_put_together_with_the_lower_face_first() {
+        let block = bar::block([2, 1, 1], 2.0).unwrap();
+        let facets = facets(&block);
+        assert_eq!(facets.len(), 2);
+        let at = |node: &u32| block.point(*node as usize).map(|x| x / 2.0);
+        let corners: Vec<[f64; 3]> = facets[0].corners.iter().map(at).collect();
+        let round = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let expected = [0.0, 1.0].map(|z| round.map(|[x, y]| [x, y, z]));
+        assert_eq!(corners, expected.concat());
+        assert_eq!(facets[1].simplices.len(), 10);
     }
 
     #[test]

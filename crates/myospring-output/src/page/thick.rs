@@ -143,3 +143,80 @@ fn small(
     };
     Ok(frames::fitted(&times, coarser, tolerance, budget, candidate))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use myospring_core::mesh::bar;
+
+    /// A block that shortens by up to 12 % and widens as much as its volume asks for.
+    fn beating(mesh: &Mesh<3, 4>, frames: usize) -> Vec<Frame<3>> {
+        let frame = |index: usize| {
+            let part = 0.12 * (std::f64::consts::PI * index as f64 / frames as f64).sin();
+            let stretches = [1.0 - part, (1.0 - part).powf(-0.5), (1.0 - part).powf(-0.5)];
+            Frame {
+                t_ms: 5.0 * index as f64,
+                ta_kpa: 400.0 * part,
+                ta_by_triangle_kpa: None,
+                on_gel_nn: None,
+                positions: [0, 1, 2].map(|axis: usize| {
+                    mesh.points[axis].iter().map(|x| stretches[axis] * x).collect()
+                }),
+            }
+        };
+        (0..frames).map(frame).collect()
+    }
+
+    fn data(cubes: [usize; 3], frames: usize, share: usize) -> ThickData {
+        let mesh = bar::block(cubes, 2.0).unwrap();
+        let (frames, fibres) =
+            (beating(&mesh, frames), vec![[1.0, 0.0, 0.0]; mesh.simplices.len()]);
+        let cell = ThickCell {
+            mesh: &mesh,
+            frames: &frames,
+            fibres: &fibres,
+            myofibril_content: None,
+            long_axis: [5.0, 0.0],
+        };
+        of(&cell, true, share).unwrap()
+    }
+
+    #[test]
+    fn its_data_have_the_size_of_the_mesh_and_every_field() {
+        let data = data([24, 8, 4], 61, 1);
+        assert_eq!(data.frames.size_um[0], [48.0, 16.0, 8.0]);
+        let shortest = data.frames.size_um.iter().map(|size| size[0]).fold(f64::INFINITY, f64::min);
+        assert!((shortest - 0.88 * 48.0).abs() < 0.02, "{shortest}");
+        assert!(data.frames.size_um.iter().all(|[l, w, t]| (l * w * t - 6144.0).abs() < 0.01));
+        assert_eq!(data.fields.len(), Field::THICK.len());
+        let strain = &data.fields[0].field;
+        assert!((strain.low + 12.0).abs() < 0.02 && strain.high == 0.0);
+        assert!(data.accuracy_um < 0.05);
+        // Not more than three bytes in four characters, of each number.
+        let points = data.rest_um.len() * 3 / 4 / 12;
+        let bytes = data.fields[0].values.len() * 3 / 4;
+        assert!(bytes.abs_diff(points * data.frames.t_ms.len()) < 3);
+    }
+
+    #[test]
+    fn large_cells_and_long_runs_stay_small() {
+        for (cubes, frames, share) in [([90, 30, 12], 100, 1), ([30, 10, 4], 600, 6)] {
+            let data = data(cubes, frames, share);
+            let texts =
+                data.fields.iter().map(|field| &field.values).chain([&data.frames.displacement]);
+            let size: usize = texts.map(String::len).sum();
+            assert!(size * share < 1_400_000, "{cubes:?}: {size}");
+            assert!(data.frames.t_ms.len() > 3);
+        }
+    }
+
+    #[test]
+    fn a_mesh_without_cubes_is_refused() {
+        let mut mesh = bar::block([2, 1, 1], 2.0).unwrap();
+        mesh.lattice = None;
+        let fibres = vec![[1.0, 0.0, 0.0]; mesh.simplices.len()];
+        let (frames, myofibril_content, long_axis) = (&[][..], None, [1.0, 0.0]);
+        let cell = ThickCell { mesh: &mesh, frames, fibres: &fibres, myofibril_content, long_axis };
+        assert!(of(&cell, true, 1).unwrap_err().to_string().contains("no cubes"));
+    }
+}
