@@ -81,12 +81,14 @@ export function showBeat(beat, lists, motion) {
   const more = find("more-curves", HTMLDetailsElement);
 
   const overlay = alone ? null : overlayOn(addFigure("all overlaid"));
-  const flat = beat.cells.map(
-    ({ label }, index) => new CellView(addFigure(label, alone ? "unseen" : ""), cells[index], boxes[index], null),
-  );
-  const solid = isThick ? thick.map((each, index) => spaceView(each, flat[index].canvas)) : [];
+  const flatOn = (/** @type {HTMLCanvasElement} */ canvas, /** @type {number} */ index) => new CellView(canvas, cells[index], boxes[index], null);
+  const solids = isThick ? thick.map(recordedSolid) : [];
+  const solidOn = (/** @type {HTMLCanvasElement} */ canvas, /** @type {number} */ index) => new SpaceView(canvas, solids[index], camera);
+  const flat = beat.cells.map(({ label }, index) => flatOn(addFigure(label, alone ? "unseen" : ""), index));
+  const solid = solids.map((_, index) => solidOn(addSpace(flat[index].canvas), index));
   let views = inSpace() ? solid : flat;
-  const stills = addStills(beat.cells, cells, boxes, player.start, alone ? null : overlayOn);
+  const flatStills = addStills(beat.cells, flatOn, player.start, alone ? null : overlayOn);
+  const solidStills = isThick ? addStills(beat.cells, solidOn, player.start, null) : [];
   const charts = chartsIn(beat.charts, lists, player);
   const others = chartsIn(beat.folded, lists, player);
 
@@ -203,13 +205,13 @@ export function showBeat(beat, lists, motion) {
     sayHowDrawn();
   }
 
-  /** A canvas with a thick cell in space, beside that of the cell seen from above. @param {Thick} cell @param {HTMLCanvasElement} above */
-  function spaceView(cell, above) {
+  /** A canvas that turns, beside that of the cell seen from above. @param {HTMLCanvasElement} above */
+  function addSpace(above) {
     const about = { role: "application", "aria-roledescription": "cell that turns", "aria-describedby": "turn-help", tabindex: "0" };
     const canvas = make("canvas", { ...about, class: "turns" });
     above.after(canvas);
     letTurn(canvas, camera);
-    return new SpaceView(canvas, recordedSolid(cell), camera);
+    return canvas;
   }
 
   /** What thick cells have in addition: the choice from where they are seen. */
@@ -265,8 +267,8 @@ export function showBeat(beat, lists, motion) {
     const values = showValues(charts, now);
     if (more.open) showValues(others, now);
     slider.setAttribute("aria-valuetext", `${now.toFixed(0)} ms: ${values.join("; ")}`);
-    if (!player.playing) describeCells();
     drawCells();
+    if (!player.playing) describeCells();
   }
 
   /** What a screen reader says of the cells; not while they move. */
@@ -299,8 +301,11 @@ export function showBeat(beat, lists, motion) {
   }
 
   function drawForPaper() {
-    const above = commonFields(beat.cells);
-    drawStills(stills, flat, above.find(({ key }) => key === field.key) ?? above[0], player.start);
+    const shown = inSpace() ? solidStills : flatStills;
+    for (const still of [...flatStills, ...solidStills]) {
+      if (still.view.canvas.parentElement !== null) still.view.canvas.parentElement.hidden = !shown.includes(still);
+    }
+    drawStills(shown, views, field, player.start);
   }
 
   function sayHowDrawn() {

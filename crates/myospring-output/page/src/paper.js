@@ -1,14 +1,13 @@
 // What paper has instead of what moves.
 
-import { CellView } from "./cell-view.js";
 import { Sheet } from "./drawing.js";
 import { find, make } from "./elements.js";
 import { fitCharts, heightOfCharts } from "./layout.js";
 
 /** @import { ShownBeat } from "./beat.js" */
 /** @import { OwnChart, ShownChart } from "./charts.js" */
-/** @import { Shapes } from "./data.js" */
-/** @import { Box } from "./drawing.js" */
+/** @import { CellView } from "./cell-view.js" */
+/** @import { SpaceView } from "./space-view.js" */
 /** @import { OverlayView } from "./overlay-view.js" */
 /** @import { Cell, Field } from "./payload.js" */
 
@@ -21,7 +20,7 @@ const PAPER = { width: 660, plot: 76, half: 318 };
  * A cell at one time.
  *
  * @typedef {object} Still
- * @property {CellView} view
+ * @property {CellView | SpaceView} view
  * @property {number} time ms.
  * @property {number} cell Which.
  */
@@ -30,12 +29,11 @@ const PAPER = { width: 660, plot: 76, half: 318 };
  * The canvases that paper has instead of the animation: cells at rest and at their peak.
  *
  * @param {Cell[]} cells
- * @param {Shapes[]} shapes
- * @param {Box[]} boxes
+ * @param {(canvas: HTMLCanvasElement, cell: number) => CellView | SpaceView} viewOn
  * @param {number} start First time, ms.
  * @param {((canvas: HTMLCanvasElement) => OverlayView) | null} overlayOn Of several runs.
  */
-export function addStills(cells, shapes, boxes, start, overlayOn) {
+export function addStills(cells, viewOn, start, overlayOn) {
   const place = find("stills", HTMLElement);
   /** @type {(caption: string) => HTMLCanvasElement} */
   const add = (caption) => {
@@ -63,7 +61,7 @@ export function addStills(cells, shapes, boxes, start, overlayOn) {
       ["at its peak", cell.peak_ms],
     ]).map(([name, time]) => {
       const of = cells.length === 1 ? "" : `${cell.label}, `;
-      const view = new CellView(add(`${of}${name}, ${time.toFixed(0)} ms`), shapes[index], boxes[index], null);
+      const view = viewOn(add(`${of}${name}, ${time.toFixed(0)} ms`), index);
       size(view);
       return { view, time, cell: index };
     }),
@@ -74,7 +72,7 @@ export function addStills(cells, shapes, boxes, start, overlayOn) {
  * Draws the cells for paper; at rest, where no colour says anything, on its picture.
  *
  * @param {Still[]} stills
- * @param {CellView[]} views On the screen.
+ * @param {(CellView | SpaceView)[]} views On the screen.
  * @param {Field} field
  * @param {number} start First time, ms.
  */

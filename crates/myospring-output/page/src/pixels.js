@@ -4,6 +4,8 @@ import { STEPS } from "./colours.js";
 
 /** Steps from dark to light. */
 const LIGHTS = 32;
+/** Width of lines, px. */
+const LINE = 2;
 /** By how much a pixel between two triangles may seem to lie outside of both. */
 const ROUNDING = 1e-6;
 
@@ -12,6 +14,9 @@ export class Pixels {
   canvas = document.createElement("canvas");
   #width = 0;
   #height = 0;
+  /** The pixels between which something was drawn. */
+  #first = 0;
+  #last = 0;
   #nearness = new Float32Array(0);
   #colours = new Uint32Array(0);
   /** Of each step of a scale, dark to light. */
@@ -26,6 +31,7 @@ export class Pixels {
       this.#nearness = new Float32Array(width * height);
       this.#colours = new Uint32Array(width * height);
     }
+    [this.#first, this.#last] = [this.#nearness.length, 0];
     this.#nearness.fill(-Infinity);
     this.#colours.fill(0);
   }
@@ -41,12 +47,6 @@ export class Pixels {
         this.#table[step * LIGHTS + light] = (255 << 24) | (blue << 16) | (green << 8) | red;
       }
     });
-  }
-
-  /** Whether nothing was drawn at a place. @param {number} x @param {number} y */
-  isEmptyAt(x, y) {
-    const within = x >= 0 && y >= 0 && x < this.#width && y < this.#height;
-    return !within || this.#colours[Math.floor(y) * this.#width + Math.floor(x)] === 0;
   }
 
   /**
@@ -71,6 +71,8 @@ export class Pixels {
     const [left, top] = [Math.max(Math.ceil(Math.min(ax, bx, cx)), 0), Math.max(Math.ceil(Math.min(ay, by, cy)), 0)];
     const right = Math.min(Math.floor(Math.max(ax, bx, cx)), this.#width - 1);
     const bottom = Math.min(Math.floor(Math.max(ay, by, cy)), this.#height - 1);
+    this.#first = Math.min(this.#first, top * this.#width);
+    this.#last = Math.max(this.#last, (bottom + 1) * this.#width);
     // Shares of b and c grow evenly along a row; what each point has is a's plus these shares of the differences.
     const [perB, perC] = [(cy - ay) / area, (ay - by) / area];
     const [near, nearB, nearC] = [p[a + 2], p[b + 2] - p[a + 2], p[c + 2] - p[a + 2]];
@@ -87,6 +89,19 @@ export class Pixels {
         nearness[at] = now;
         const step = Math.min(Math.max(Math.floor(part + b * partB + c * partC), 0), STEPS - 1);
         colours[at] = table[step * LIGHTS + Math.round(light + b * lightB + c * lightC)];
+      }
+    }
+  }
+
+  /** Draws a line along the rim of what was drawn. @param {string} colour `#rrggbb`. */
+  outline(colour) {
+    const [red, green, blue] = [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16));
+    const ink = (255 << 24) | (blue << 16) | (green << 8) | red;
+    const [nearness, colours, row] = [this.#nearness, this.#colours, LINE * this.#width];
+    for (let at = Math.max(this.#first, row); at < Math.min(this.#last, nearness.length - row); at++) {
+      // Of four that lie around what was drawn none is endlessly far.
+      if (colours[at] !== 0 && Math.min(nearness[at - LINE], nearness[at + LINE], nearness[at - row], nearness[at + row]) === -Infinity) {
+        colours[at] = ink;
       }
     }
   }

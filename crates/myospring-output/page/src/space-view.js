@@ -7,7 +7,7 @@ import { number } from "./numbers.js";
 import { Pixels } from "./pixels.js";
 
 /** @import { Camera } from "./camera.js" */
-/** @import { Look } from "./cell-view.js" */
+/** @import { Look, Photograph } from "./cell-view.js" */
 /** @import { Solid } from "./data.js" */
 /** @import { Box, Ink } from "./drawing.js" */
 /** @import { Field } from "./payload.js" */
@@ -21,11 +21,13 @@ const ROUND = 1.08;
 const ARM = 26;
 /** Pixels of a picture at most, so that it stays quick. */
 const MOST_PIXELS = 1.2e6;
-/** How much of the cell at rest is seen. */
+/** The cell at rest: its colour, and how much of it is seen. */
+const GREY = ["#808890", "#808890"];
 const GHOST = 0.25;
 
 /** A canvas with a thick cell on it. */
 export class SpaceView extends Sheet {
+  /** @type {Photograph | null} */
   photograph = null;
   #solid;
   #camera;
@@ -38,8 +40,6 @@ export class SpaceView extends Sheet {
   #now;
   #rest;
   #normals;
-  /** Sides of patches: two ends, then the patches on both sides. */
-  #sides;
   /** Pixels of the picture in one of the page. */
   #density = 1;
 
@@ -59,7 +59,6 @@ export class SpaceView extends Sheet {
     this.#normals = new Float32Array(3 * points);
     // The cell at rest has one colour.
     for (let point = 0; point < points; point++) this.#rest[5 * point + 4] = 1;
-    this.#sides = sidesOf(solid.corners);
   }
 
   /** Length, width and thickness of what was drawn last, in words. */
@@ -92,29 +91,29 @@ export class SpaceView extends Sheet {
     const finest = Math.sqrt(MOST_PIXELS / (this.width * this.height));
     this.#density = Math.min(Math.max(this.canvas.width / this.width, 2), finest);
     const { turned, tilted } = this.#camera;
-    const ghostOf = [turned, tilted, place.scale, this.#density, this.width, this.height].join();
+    const ghostOf = [turned, tilted, place.scale, this.width, this.height].join();
     if (this.#ghostOf !== ghostOf) {
       this.#ghostOf = ghostOf;
       this.#project(this.#solid.rest, place.scale, this.#rest);
-      this.#fill(this.#ghost, this.#rest, ["#808890", "#808890"]);
+      this.#fill(this.#ghost, this.#rest, GREY, null);
     }
     this.#project(this.#shape.points, place.scale, this.#now);
     this.#shade(field);
-    this.#fill(this.#pixels, this.#now, field.colours);
+    this.#fill(this.#pixels, this.#now, field.colours, ink.line);
     pen.globalAlpha = GHOST;
     pen.drawImage(this.#ghost.canvas, 0, 0, this.width, this.height);
     pen.globalAlpha = 1;
     pen.drawImage(this.#pixels.canvas, 0, 0, this.width, this.height);
-    this.#drawEdge(pen, ink.line);
     this.#drawAxes(pen, ink);
     this.drawScaleBar(place, ink);
   }
 
-  /** @param {Pixels} pixels @param {Float32Array} seen @param {string[]} colours */
-  #fill(pixels, seen, colours) {
+  /** @param {Pixels} pixels @param {Float32Array} seen @param {string[]} colours @param {string | null} line */
+  #fill(pixels, seen, colours, line) {
     pixels.clear(Math.round(this.width * this.#density), Math.round(this.height * this.#density));
     pixels.paint(colours, ramp);
     pixels.patches(seen, this.#solid.corners);
+    if (line !== null) pixels.outline(line);
     pixels.show();
   }
 
@@ -164,34 +163,6 @@ export class SpaceView extends Sheet {
     }
   }
 
-  /**
-   * Draws the line around the cell: sides between what faces the viewer and what does not, with nothing beside them.
-   *
-   * @param {CanvasRenderingContext2D} pen
-   * @param {string} colour
-   */
-  #drawEdge(pen, colour) {
-    const { corners } = this.#solid;
-    const seen = this.#now;
-    const facing = (/** @type {number} */ patch) => {
-      const [a, b, c, d] = [0, 1, 2, 3].map((corner) => 5 * corners[4 * patch + corner]);
-      return (seen[c] - seen[a]) * (seen[d + 1] - seen[b + 1]) < (seen[c + 1] - seen[a + 1]) * (seen[d] - seen[b]);
-    };
-    pen.beginPath();
-    for (const [one, other, left, right] of this.#sides) {
-      if (facing(left) === facing(right)) continue;
-      const [from, to] = [5 * one, 5 * other];
-      const [x, y] = [(seen[from] + seen[to]) / 2, (seen[from + 1] + seen[to + 1]) / 2];
-      const [u, v] = [seen[to + 1] - seen[from + 1], seen[from] - seen[to]].map((part) => (3 * part) / Math.hypot(seen[to] - seen[from], seen[to + 1] - seen[from + 1]));
-      if (!this.#pixels.isEmptyAt(x + u, y + v) && !this.#pixels.isEmptyAt(x - u, y - v)) continue;
-      pen.moveTo(seen[from] / this.#density, seen[from + 1] / this.#density);
-      pen.lineTo(seen[to] / this.#density, seen[to + 1] / this.#density);
-    }
-    pen.lineWidth = 1;
-    pen.strokeStyle = colour;
-    pen.stroke();
-  }
-
   /** What lies where, and the size in short. @param {CanvasRenderingContext2D} pen @param {Ink} ink */
   #drawAxes(pen, { line, muted }) {
     const [right, up] = this.#camera.axes();
@@ -217,23 +188,6 @@ export class SpaceView extends Sheet {
     pen.fillText(`${size}\u00a0\u00b5m`, this.width - 14, this.height - 11);
     pen.textAlign = "start";
   }
-}
-
-/**
- * Each side of a patch once: two ends and the patches on both sides of it.
- *
- * @param {Uint32Array} corners
- */
-function sidesOf(corners) {
-  /** @type {Map<string, number[]>} */
-  const sides = new Map();
-  corners.forEach((from, at) => {
-    const to = corners[at % 4 === 3 ? at - 3 : at + 1];
-    const key = [from, to].sort().join();
-    const side = sides.get(key) ?? [from, to];
-    sides.set(key, [...side, at >> 2]);
-  });
-  return [...sides.values()].filter(({ length }) => length === 4);
 }
 
 /** The axes of a camera as sums of x, y and z. @param {Camera} camera @param {number} longAxis Its angle. */

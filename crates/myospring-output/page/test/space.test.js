@@ -171,8 +171,9 @@ test("it stays whole in its canvas from every side", async () => {
       for (let press = 0; press < 1 + (turn % 3); press++) await page.keyboard.press(turn % 2 === 0 ? "ArrowLeft" : "ArrowDown");
       const rim = await page.evaluate(() => {
         const canvas = /** @type {HTMLCanvasElement} */ (document.querySelector("canvas.turns"));
-        const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
         const { width, height } = canvas;
+        const pen = /** @type {OffscreenCanvasRenderingContext2D} */ (new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true }));
+        pen.drawImage(canvas, 0, 0);
         const inked = (/** @type {ImageData} */ { data }) => data.some((value, index) => index % 4 === 3 && value > 0);
         return [[0, 0, width, 2], [0, 0, 2, height], [width - 2, 0, 2, height]].map(([x, y, w, h]) => inked(pen.getImageData(x, y, w, h)));
       });
