@@ -302,9 +302,8 @@ export function showBeat(beat, lists, motion) {
 
   function drawForPaper() {
     const shown = inSpace() ? solidStills : flatStills;
-    for (const still of [...flatStills, ...solidStills]) {
-      if (still.view.canvas.parentElement !== null) still.view.canvas.parentElement.hidden = !shown.includes(still);
-    }
+    [...flatStills, ...solidStills].forEach(({ figure }) => figure.remove());
+    find("stills", HTMLElement).append(...shown.map(({ figure }) => figure));
     drawStills(shown, views, field, player.start);
   }
 

@@ -21,6 +21,7 @@ const PAPER = { width: 660, plot: 76, half: 318 };
  *
  * @typedef {object} Still
  * @property {CellView | SpaceView} view
+ * @property {HTMLElement} figure
  * @property {number} time ms.
  * @property {number} cell Which.
  */
@@ -35,11 +36,10 @@ const PAPER = { width: 660, plot: 76, half: 318 };
  */
 export function addStills(cells, viewOn, start, overlayOn) {
   const place = find("stills", HTMLElement);
-  /** @type {(caption: string) => HTMLCanvasElement} */
+  /** @type {(caption: string) => { canvas: HTMLCanvasElement, figure: HTMLElement }} */
   const add = (caption) => {
     const canvas = make("canvas");
-    place.append(make("figure", {}, canvas, make("figcaption", {}, caption)));
-    return canvas;
+    return { canvas, figure: make("figure", {}, canvas, make("figcaption", {}, caption)) };
   };
   const size = (/** @type {Sheet} */ sheet) => {
     sheet.resize(340, Math.min(Sheet.heightFor(sheet.box, 340), 400), 3);
@@ -50,7 +50,9 @@ export function addStills(cells, viewOn, start, overlayOn) {
       ["all at rest", cells.map(() => start)],
       ["each at its peak", cells.map((cell) => cell.peak_ms)],
     ])) {
-      const view = overlayOn(add(caption));
+      const { canvas, figure } = add(caption);
+      const view = overlayOn(canvas);
+      place.append(figure);
       size(view);
       view.draw(times, PRINTED);
     }
@@ -61,9 +63,10 @@ export function addStills(cells, viewOn, start, overlayOn) {
       ["at its peak", cell.peak_ms],
     ]).map(([name, time]) => {
       const of = cells.length === 1 ? "" : `${cell.label}, `;
-      const view = viewOn(add(`${of}${name}, ${time.toFixed(0)} ms`), index);
+      const { canvas, figure } = add(`${of}${name}, ${time.toFixed(0)} ms`);
+      const view = viewOn(canvas, index);
       size(view);
-      return { view, time, cell: index };
+      return { view, figure, time, cell: index };
     }),
   );
 }

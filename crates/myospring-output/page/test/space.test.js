@@ -205,3 +205,37 @@ test("thick cells that are compared turn together", async () => {
     assert.ok(after.every((picture, index) => picture !== before[index]));
   });
 });
+
+test("paper shows a thick cell as the screen does, and as many pictures as of a flat one", async () => {
+  for (const path of [thick, two]) {
+    await opened(path, {}, async (page) => {
+      const stills = () => page.locator("#stills figure").count();
+      const inSpace = await stills();
+      await page.selectOption("#view", "above");
+      await page.pdf();
+      assert.equal(await stills(), inSpace);
+    });
+  }
+});
+
+test("two fingers enlarge it", async () => {
+  await opened(thick, { hasTouch: true }, async (page) => {
+    const first = await seen(page);
+    await page.evaluate(() => {
+      const canvas = /** @type {HTMLCanvasElement} */ (document.querySelector("canvas.turns"));
+      // Made-up pointers cannot be captured.
+      canvas.setPointerCapture = () => {};
+      const send = (/** @type {string} */ type, /** @type {number} */ pointerId, /** @type {number} */ clientX) =>
+        canvas.dispatchEvent(new PointerEvent(type, { pointerId, clientX, clientY: 200, pointerType: "touch", bubbles: true }));
+      send("pointerdown", 1, 300);
+      send("pointerdown", 2, 400);
+      send("pointermove", 2, 450);
+      send("pointermove", 1, 250);
+      send("pointerup", 1, 250);
+      send("pointerup", 2, 450);
+    });
+    assert.notEqual(await seen(page), first);
+    await page.click("#reset-view");
+    assert.equal(await seen(page), first);
+  });
+});
