@@ -19,6 +19,8 @@ const SHADE = 0.5;
 const ROUND = 1.08;
 /** Length of the arms that say what lies where, px. */
 const ARM = 26;
+/** Width from which on it is said what the numbers of the size are, px. */
+const NAMED = 520;
 /** Pixels of a picture at most, so that it stays quick. */
 const MOST_PIXELS = 1.2e6;
 /** The cell at rest: its colour, and how much of it is seen. */
@@ -185,7 +187,8 @@ export class SpaceView extends Sheet {
     pen.textAlign = "right";
     pen.fillStyle = line;
     const size = this.#shape.size.map((value) => value.toFixed(1)).join(" \u00d7 ");
-    pen.fillText(`${size}\u00a0\u00b5m`, this.width - 14, this.height - 11);
+    const named = this.width > NAMED ? "length \u00d7 width \u00d7 thickness: " : "";
+    pen.fillText(`${named}${size}\u00a0\u00b5m`, this.width - 14, this.height - 11);
     pen.textAlign = "start";
   }
 }
