@@ -83,7 +83,7 @@ export function showBeat(beat, lists, motion) {
   const overlay = alone ? null : overlayOn(addFigure("all overlaid"));
   const flatOn = (/** @type {HTMLCanvasElement} */ canvas, /** @type {number} */ index) => new CellView(canvas, cells[index], boxes[index], null);
   const solids = isThick ? thick.map(recordedSolid) : [];
-  const solidOn = (/** @type {HTMLCanvasElement} */ canvas, /** @type {number} */ index) => new SpaceView(canvas, solids[index], camera);
+  const solidOn = (/** @type {HTMLCanvasElement} */ canvas, /** @type {number} */ index) => new SpaceView(canvas, solids[index], camera, solids);
   const flat = beat.cells.map(({ label }, index) => flatOn(addFigure(label, alone ? "unseen" : ""), index));
   const solid = solids.map((_, index) => solidOn(addSpace(flat[index].canvas), index));
   let views = inSpace() ? solid : flat;

@@ -32,6 +32,7 @@ export class SpaceView extends Sheet {
   /** @type {Photograph | null} */
   photograph = null;
   #solid;
+  #all;
   #camera;
   #shape;
   #pixels = new Pixels();
@@ -49,11 +50,13 @@ export class SpaceView extends Sheet {
    * @param {HTMLCanvasElement} canvas
    * @param {Solid} solid
    * @param {Camera} camera
+   * @param {Solid[]} all Cells that are drawn to one scale.
    */
-  constructor(canvas, solid, camera) {
-    super(canvas, boxSeen(solid, camera));
+  constructor(canvas, solid, camera, all) {
+    super(canvas, boxSeen(all, camera));
     const points = solid.rest.length / 3;
     this.#solid = solid;
+    this.#all = all;
     this.#camera = camera;
     this.#shape = blankSolid(solid);
     this.#now = new Float32Array(5 * points);
@@ -88,7 +91,7 @@ export class SpaceView extends Sheet {
     if (place === null) return;
     const { pen } = place;
     // Whole from every side, but never larger than at first.
-    const fits = Sheet.scaleIn(boxSeen(this.#solid, this.#camera), this.width, this.height);
+    const fits = Sheet.scaleIn(boxSeen(this.#all, this.#camera), this.width, this.height);
     place.scale = this.#camera.zoom * Math.min(place.scale, fits);
     const finest = Math.sqrt(MOST_PIXELS / (this.width * this.height));
     this.#density = Math.min(Math.max(this.canvas.width / this.width, 2), finest);
@@ -200,19 +203,21 @@ function axesOf(camera, longAxis) {
 }
 
 /**
- * The box in which a cell is seen, um, about its middle at rest.
+ * The box in which each of some cells is seen, um, about its middle at rest.
  *
- * @param {Solid} solid
+ * @param {Solid[]} all
  * @param {Camera} camera
  * @returns {Box}
  */
-function boxSeen({ rest, middle, longAxis }, camera) {
-  const axes = axesOf(camera, longAxis);
+function boxSeen(all, camera) {
   let [x, y] = [0, 0];
-  for (let at = 0; at < rest.length; at += 3) {
-    const [a, b, c] = [rest[at] - middle[0], rest[at + 1] - middle[1], rest[at + 2] - middle[2]];
-    x = Math.max(x, ROUND * Math.abs(axes[0][0] * a + axes[0][1] * b + axes[0][2] * c));
-    y = Math.max(y, ROUND * Math.abs(axes[1][0] * a + axes[1][1] * b + axes[1][2] * c));
+  for (const { rest, middle, longAxis } of all) {
+    const [right, up] = axesOf(camera, longAxis);
+    for (let at = 0; at < rest.length; at += 3) {
+      const [a, b, c] = [rest[at] - middle[0], rest[at + 1] - middle[1], rest[at + 2] - middle[2]];
+      x = Math.max(x, ROUND * Math.abs(right[0] * a + right[1] * b + right[2] * c));
+      y = Math.max(y, ROUND * Math.abs(up[0] * a + up[1] * b + up[2] * c));
+    }
   }
   return [
     [-x, -y],
