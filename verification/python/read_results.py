@@ -119,6 +119,33 @@ def frames_for_paraview(results, traces, frames):
     return at_top
 
 
+def cube_volumes(points, cubes):
+    """Volume of each hexahedron: half of the tetrahedra of both ways to cut it, as the mesh has it."""
+    ways = [(0, 2, 7, 5), (1, 0, 2, 5), (3, 2, 0, 7), (4, 0, 5, 7), (6, 2, 7, 5), (1, 3, 4, 6), (0, 1, 3, 4), (2, 3, 1, 6), (5, 1, 6, 4), (7, 3, 4, 6)]
+    a, b, c, d = (points[cubes[:, [way[corner] for way in ways]]] for corner in range(4))
+    return 0.5 * np.abs(np.einsum("ijk,ijk->ij", b - a, np.cross(c - a, d - a)) / 6.0).sum(axis=1)
+
+
+def thick_cell(results):
+    """Cubes of a thick cell, if there is one: without overlap, with the volumes that the file states."""
+    if not (results / "thick.pvd").exists():
+        return 0
+    collection = ElementTree.parse(results / "thick.pvd").findall("Collection/DataSet")
+    for index in sorted({0, len(collection) // 3, len(collection) - 1}):
+        file = results / collection[index].get("file")
+        mesh, grid = meshio.read(file), with_vtk(file)
+        cubes = mesh.cells_dict["hexahedron"]
+        assert grid.GetNumberOfCells() == len(cubes) and grid.GetNumberOfPoints() == len(mesh.points)
+        rest = mesh.points - mesh.point_data["displacement_um"]
+        now, before = cube_volumes(mesh.points, cubes), cube_volumes(rest, cubes)
+        [ratio], [fibre] = mesh.cell_data["volume_ratio"], mesh.cell_data["fibre"]
+        assert (before > 0).all() and np.ptp(before) < SINGLE * before.max()
+        assert np.abs(now / before - ratio).max() < 1e-4
+        assert np.allclose(np.linalg.norm(fibre, axis=1), 1.0, atol=1e-6)
+        assert np.array_equal(ratio, vtk_to_numpy(grid.GetCellData().GetArray("volume_ratio")))
+    return len(collection)
+
+
 def examples(guide, results):
     """Every Python example of the guide, run where the results are."""
     code = re.findall(r"```python\n(.*?)```", guide.read_text(encoding="utf-8"), re.DOTALL)
@@ -138,6 +165,7 @@ def main():
     traces = {row["t_ms"]: row for row in rows}
     frames = frames_for_numpy(results, traces)
     at_top = frames_for_paraview(results, traces, frames)
+    thick_cell(results)
     summary = json.loads((results / "summary.json").read_text(encoding="utf-8"))
     metrics = {row["name"]: row["value"] for group in summary["beats"][0].values() if isinstance(group, list) for row in group}
     # A frame is the nearest to the peak, not the peak.

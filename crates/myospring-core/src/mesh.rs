@@ -7,8 +7,8 @@
 //! In reading order: an [`outline::Outline`] (polygon) or a [`mask::Mask`] (pixels) says where the
 //! cell is; [`lattice`] fills it with squares and turns them into masses, springs and triangles;
 //! [`quality`] measures and reports; [`built_in`] has ready-made cells; [`simplex`] has the
-//! geometry of one triangle or tetrahedron; [`carried`] points move with the mesh, such as the
-//! outline in figures.
+//! geometry of one triangle or tetrahedron; [`surface`] has the faces of a thick cell; [`carried`]
+//! points move with the mesh, such as the outline in figures.
 //!
 //! Lengths are micrometres, x to the right and **y upward**. Pictures have row 0 on top; their rows
 //! are flipped when they are read, so that a cell has the same orientation as in the picture.
@@ -27,6 +27,7 @@ pub mod profile;
 pub mod quality;
 mod selection;
 pub mod simplex;
+pub mod surface;
 pub mod thick;
 
 pub use place::Place;

@@ -121,7 +121,7 @@ pub struct Frame<const D: usize = 2> {
     /// Active tension, kPa; if it is not uniform, its mean over the cell, weighted by volume and
     /// content of myofibrils.
     pub ta_kpa: f64,
-    /// Active tension of each triangle, kPa, if it is not uniform.
+    /// Active tension of each triangle (with three axes tetrahedron), kPa, if it is not uniform.
     pub ta_by_triangle_kpa: Option<Vec<f64>>,
     /// Force of each node on the gel to which the cell adheres, nN: `on_gel_nn[axis][node]`.
     pub on_gel_nn: Option<[Vec<f64>; D]>,
@@ -136,9 +136,8 @@ pub struct Recording<const D: usize = 2> {
     pub samples: Vec<Sample>,
     /// Shapes, in order of time; of a thick cell as it is seen from above.
     pub frames: Vec<Frame<D>>,
-    /// Of a thick cell, the positions of all its points in each of these frames, um: `in_space[frame][axis][node]`; empty of a flat
-    /// one.
-    pub in_space: Vec<[Vec<f64>; 3]>,
+    /// Of a thick cell, each of these shapes in space; empty of a flat one.
+    pub in_space: Vec<Frame<3>>,
     /// Further outputs of the cell model; empty for most models.
     pub signals: Vec<Signal>,
 }

@@ -35,3 +35,9 @@ pub fn written(value: f64) -> String {
         value.to_string()
     }
 }
+
+/// A point or a direction in words: `(0, 1.5)`.
+pub(crate) fn point(coordinates: &[f64]) -> String {
+    let numbers: Vec<String> = coordinates.iter().map(f64::to_string).collect();
+    format!("({})", numbers.join(", "))
+}

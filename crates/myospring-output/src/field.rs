@@ -1,15 +1,16 @@
-//! Fields by which a cell is coloured in figures, films, pages and files: values by triangle, their
-//! units and colours.
+//! Fields by which a cell is coloured in figures, films, pages and files: values by triangle (of a
+//! thick cell by tetrahedron), their units and colours.
 //!
 //! [`Field`] names them, [`Fields`] computes them on one mesh, [`ColourScale`] gives their colours: one scale for all
 //! frames of a run, so that a colour means the same throughout.
 
 mod colour;
+mod on_mesh;
 
 pub use colour::ColourScale;
 pub(crate) use colour::light_to_dark;
+pub use on_mesh::{FieldError, Fields};
 
-use myospring_core::mesh::{Mesh, Simplex};
 use myospring_core::recording::Frame;
 
 /// A quantity that has a value in each place of the cell.
@@ -19,10 +20,13 @@ pub enum Field {
     #[default]
     FibreStrain,
     /// Strain of the direction that is across the fibre at rest: `|F n0| - 1`, with n0 at a right
-    /// angle to f0.
+    /// angle to f0. In a thick cell many directions are: `sqrt(|cof(F) f0|) - 1`, the mean strain of
+    /// the section across the fibre.
     CrossStrain,
     /// Area relative to that at rest: the determinant of F.
     AreaRatio,
+    /// Volume of a thick cell relative to that at rest: the determinant of F.
+    VolumeRatio,
     /// Active tension along the fibre times the content of myofibrils.
     ActiveStress,
     /// Distance from the position at rest.
@@ -31,33 +35,8 @@ pub enum Field {
     Traction,
 }
 
-/// Why fibres or contents do not fit a mesh.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum FieldError {
-    /// Fibres or contents of another mesh.
-    #[error(
-        "{found} {what} were given for {triangles} triangles; give one for each triangle of this mesh"
-    )]
-    Count {
-        /// Fibre directions or contents.
-        what: &'static str,
-        /// How many were given.
-        found: usize,
-        /// How many triangles the mesh has.
-        triangles: usize,
-    },
-    /// A fibre direction without length.
-    #[error("the fibre direction ({x}, {y}) has no finite length above 0; give one like (1, 0)")]
-    Fibre {
-        /// Component along x.
-        x: f64,
-        /// Component along y.
-        y: f64,
-    },
-}
-
 impl Field {
-    /// All fields, the default first.
+    /// All fields of a flat cell, the default first.
     pub const ALL: [Self; 6] = [
         Self::FibreStrain,
         Self::CrossStrain,
@@ -67,8 +46,17 @@ impl Field {
         Self::Traction,
     ];
 
+    /// Fields of a thick cell, the default first.
+    pub const THICK: [Self; 5] = [
+        Self::FibreStrain,
+        Self::CrossStrain,
+        Self::VolumeRatio,
+        Self::ActiveStress,
+        Self::Displacement,
+    ];
+
     /// Whether frames have it: active stress only those of a simulated cell, tractions only those of one on a gel.
-    pub fn is_known(self, frames: &[&Frame], has_tension: bool) -> bool {
+    pub fn is_known<const D: usize>(self, frames: &[&Frame<D>], has_tension: bool) -> bool {
         match self {
             Self::ActiveStress => has_tension,
             Self::Traction => frames.iter().all(|frame| frame.on_gel_nn.is_some()),
@@ -82,6 +70,7 @@ impl Field {
             Self::FibreStrain => "fibre-strain",
             Self::CrossStrain => "cross-strain",
             Self::AreaRatio => "area-ratio",
+            Self::VolumeRatio => "volume-ratio",
             Self::ActiveStress => "active-stress",
             Self::Displacement => "displacement",
             Self::Traction => "traction",
@@ -94,6 +83,7 @@ impl Field {
             Self::FibreStrain => "Fibre strain",
             Self::CrossStrain => "Strain across the fibre",
             Self::AreaRatio => "Area over area at rest",
+            Self::VolumeRatio => "Volume over volume at rest",
             Self::ActiveStress => "Active stress",
             Self::Displacement => "Displacement",
             Self::Traction => "Traction on the gel",
@@ -104,7 +94,7 @@ impl Field {
     pub const fn unit(self) -> &'static str {
         match self {
             Self::FibreStrain | Self::CrossStrain => "%",
-            Self::AreaRatio => "",
+            Self::AreaRatio | Self::VolumeRatio => "",
             Self::ActiveStress => "kPa",
             Self::Displacement => "um",
             Self::Traction => "Pa",
@@ -121,6 +111,7 @@ impl Field {
                 "change of length of what lies across the fibre at rest, per cent; positive where wider"
             }
             Self::AreaRatio => "projected area over that at rest; below 1 where smaller",
+            Self::VolumeRatio => "volume over that at rest; below 1 where smaller",
             Self::ActiveStress => "active tension along the fibre times the content of myofibrils",
             Self::Displacement => "distance from the position at rest",
             Self::Traction => {
@@ -132,7 +123,7 @@ impl Field {
     /// Its value in a cell at rest without tension.
     pub const fn at_rest(self) -> f64 {
         match self {
-            Self::AreaRatio => 1.0,
+            Self::AreaRatio | Self::VolumeRatio => 1.0,
             _ => 0.0,
         }
     }
@@ -147,7 +138,7 @@ impl Field {
     pub const fn least_range(self) -> f64 {
         match self {
             Self::FibreStrain | Self::CrossStrain | Self::ActiveStress | Self::Traction => 1.0,
-            Self::AreaRatio => 0.01,
+            Self::AreaRatio | Self::VolumeRatio => 0.01,
             Self::Displacement => 0.1,
         }
     }
@@ -178,305 +169,14 @@ impl Field {
     }
 }
 
-/// The fields of a cell.
-#[derive(Debug, Clone)]
-pub struct Fields<'a> {
-    mesh: &'a Mesh,
-    /// One for each triangle.
-    shapes: Vec<Shape>,
-    content: Option<&'a [f64]>,
-}
-
-/// A triangle at rest.
-#[derive(Debug, Clone, Copy)]
-struct Shape {
-    /// Twice its area, um^2; 0 of one without a shape.
-    double_area: f64,
-    /// The unit vector of its fibre, and the one across, as parts of its two edges.
-    along: [f64; 2],
-    across: [f64; 2],
-}
-
-impl Shape {
-    /// Of a triangle with a fibre along a unit vector.
-    fn of(mesh: &Mesh, triangle: &Simplex<3>, [x, y]: [f64; 2]) -> Self {
-        let rest = edges(&mesh.points, triangle);
-        let double_area = cross(rest[0], rest[1]);
-        let parts =
-            |v: [f64; 2]| [cross(v, rest[1]) / double_area, cross(rest[0], v) / double_area];
-        Self { double_area, along: parts([x, y]), across: parts([-y, x]) }
-    }
-}
-
-impl<'a> Fields<'a> {
-    /// Fields of a mesh with fibre directions by triangle (of any length), and the content of
-    /// myofibrils by triangle if it is not uniform.
-    ///
-    /// # Errors
-    /// Fibres or contents of another mesh, fibres of no length.
-    ///
-    /// # Example
-    /// ```
-    /// use myospring::mesh::lattice;
-    /// use myospring::output::field::{Field, Fields};
-    /// use myospring::recording::Frame;
-    /// let mesh = lattice::rectangle(4, 2, 5.0)?;
-    /// let fields = Fields::new(&mesh, &vec![[1.0, 0.0]; mesh.simplices.len()], None)?;
-    /// let x = mesh.points[0].iter().map(|x| 0.88 * x).collect();
-    /// let y = mesh.points[1].iter().map(|y| 1.05 * y).collect();
-    /// let peak = Frame { t_ms: 171.0, ta_kpa: 50.0, ta_by_triangle_kpa: None, on_gel_nn: None, positions: [x, y] };
-    /// for (field, value) in [(Field::FibreStrain, -12.0), (Field::CrossStrain, 5.0), (Field::AreaRatio, 0.924)] {
-    ///     assert!(fields.on_triangles(field, &peak).iter().all(|found| (found - value).abs() < 1e-12));
-    /// }
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn new(
-        mesh: &'a Mesh,
-        fibres: &[[f64; 2]],
-        content: Option<&'a [f64]>,
-    ) -> Result<Self, FieldError> {
-        let triangles = mesh.simplices.len();
-        let counts =
-            [("fibre directions", Some(fibres.len())), ("contents", content.map(<[f64]>::len))];
-        for (what, found) in counts {
-            if let Some(found) = found.filter(|&found| found != triangles) {
-                return Err(FieldError::Count { what, found, triangles });
-            }
-        }
-        let unit = |&[x, y]: &[f64; 2]| {
-            let length = x.hypot(y);
-            let direction = length.is_finite() && length > 0.0;
-            direction.then_some([x / length, y / length]).ok_or(FieldError::Fibre { x, y })
-        };
-        let shapes = mesh
-            .simplices
-            .iter()
-            .zip(fibres)
-            .map(|(triangle, fibre)| unit(fibre).map(|fibre| Shape::of(mesh, triangle, fibre)));
-        Ok(Self { mesh, shapes: shapes.collect::<Result<_, _>>()?, content })
-    }
-
-    /// The mesh.
-    pub fn mesh(&self) -> &'a Mesh {
-        self.mesh
-    }
-
-    /// The value in each triangle, in the field's unit; for displacement and traction, the mean over the
-    /// corners.
-    ///
-    /// # Panics
-    /// If the frame is one of another mesh.
-    pub fn on_triangles(&self, field: Field, frame: &Frame) -> Vec<f64> {
-        match field {
-            Field::FibreStrain => self.strains(frame, |shape| shape.along),
-            Field::CrossStrain => self.strains(frame, |shape| shape.across),
-            Field::AreaRatio => self.by_shape(field, |triangle, shape| {
-                let [a, b] = edges(&frame.positions, triangle);
-                cross(a, b) / shape.double_area
-            }),
-            Field::ActiveStress => {
-                let count = self.mesh.simplices.len();
-                let tension = frame.ta_by_triangle_kpa.clone();
-                let mut stress = tension.unwrap_or_else(|| vec![frame.ta_kpa; count]);
-                for (stress, content) in stress.iter_mut().zip(self.content.into_iter().flatten()) {
-                    *stress *= content;
-                }
-                stress
-            }
-            Field::Displacement | Field::Traction => {
-                let way = self.on_nodes(field, frame);
-                let mean = |triangle: &Simplex<3>| {
-                    triangle.nodes.iter().map(|&node| way[node as usize]).sum::<f64>() / 3.0
-                };
-                self.mesh.simplices.iter().map(mean).collect()
-            }
-        }
-    }
-
-    /// The strain of a direction at rest, `|F v| - 1`, per cent: `F v = D_s D_m^-1 v`, the columns of D being two edges.
-    fn strains(&self, frame: &Frame, parts: impl Fn(&Shape) -> [f64; 2]) -> Vec<f64> {
-        self.by_shape(Field::FibreStrain, |triangle, shape| {
-            let (now, parts) = (edges(&frame.positions, triangle), parts(shape));
-            let [x, y] =
-                [0, 1].map(|axis: usize| now[0][axis] * parts[0] + now[1][axis] * parts[1]);
-            100.0 * ((x * x + y * y).sqrt() - 1.0)
-        })
-    }
-
-    /// A value for each triangle; that at rest where one has no shape.
-    fn by_shape(&self, field: Field, value: impl Fn(&Simplex<3>, &Shape) -> f64) -> Vec<f64> {
-        let pairs = self.mesh.simplices.iter().zip(&self.shapes);
-        let of = |(triangle, shape): (&Simplex<3>, &Shape)| {
-            if shape.double_area == 0.0 { field.at_rest() } else { value(triangle, shape) }
-        };
-        pairs.map(of).collect()
-    }
-
-    /// The value at each node: for displacement and traction its own, else the mean over adjacent triangles,
-    /// weighted by area.
-    ///
-    /// # Panics
-    /// If the frame is one of another mesh.
-    pub fn on_nodes(&self, field: Field, frame: &Frame) -> Vec<f64> {
-        if field == Field::Displacement {
-            let points = &self.mesh.points;
-            let way = |axis: usize, node: usize| frame.positions[axis][node] - points[axis][node];
-            let length = |node| (way(0, node).powi(2) + way(1, node).powi(2)).sqrt();
-            return (0..self.mesh.len()).map(length).collect();
-        }
-        if field == Field::Traction {
-            let Some([x, y]) = &frame.on_gel_nn else { return vec![0.0; self.mesh.len()] };
-            let pairs = x.iter().zip(y).zip(&self.mesh.areas);
-            // 1 nN/um^2 is 1000 Pa.
-            return pairs.map(|((x, y), area)| 1000.0 * x.hypot(*y) / area).collect();
-        }
-        self.averaged(field.at_rest(), &self.on_triangles(field, frame))
-    }
-
-    /// Traction of the cell on its gel in each triangle along x and y, Pa, the mean over the corners; `None` of a cell on none.
-    ///
-    /// # Panics
-    /// If the frame is one of another mesh.
-    pub fn tractions(&self, frame: &Frame) -> Option<[Vec<f64>; 2]> {
-        let forces = frame.on_gel_nn.as_ref()?;
-        Some(forces.each_ref().map(|forces| {
-            let of = |&node: &u32| forces[node as usize] / self.mesh.areas[node as usize];
-            // 1 nN/um^2 is 1000 Pa.
-            let mean =
-                |triangle: &Simplex<3>| 1000.0 * triangle.nodes.iter().map(of).sum::<f64>() / 3.0;
-            self.mesh.simplices.iter().map(mean).collect()
-        }))
-    }
-
-    /// Averages values of triangles to nodes: the mean over adjacent triangles, weighted by area.
-    ///
-    /// # Panics
-    /// If there is not one value for each triangle.
-    pub fn from_triangles(&self, values: &[f64]) -> Vec<f64> {
-        self.averaged(0.0, values)
-    }
-
-    fn averaged(&self, alone: f64, values: &[f64]) -> Vec<f64> {
-        assert_eq!(values.len(), self.mesh.simplices.len(), "one value for each triangle");
-        let mut sums = vec![[0.0; 2]; self.mesh.len()];
-        for (triangle, value) in self.mesh.simplices.iter().zip(values) {
-            let [a, b] = edges(&self.mesh.points, triangle);
-            let weight = triangle.weight * cross(a, b).abs();
-            for node in triangle.nodes {
-                let [sum, weights] = &mut sums[node as usize];
-                *sum += weight * value;
-                *weights += weight;
-            }
-        }
-        let mean = |[sum, weights]: [f64; 2]| if weights > 0.0 { sum / weights } else { alone };
-        sums.into_iter().map(mean).collect()
-    }
-
-    /// Limits of the colour scale for some frames.
-    pub fn limits<'f>(
-        &self,
-        field: Field,
-        frames: impl IntoIterator<Item = &'f Frame>,
-    ) -> [f64; 2] {
-        field.limits(frames.into_iter().flat_map(|frame| self.on_nodes(field, frame)))
-    }
-}
-
-fn edges(positions: &[Vec<f64>; 2], triangle: &Simplex<3>) -> [[f64; 2]; 2] {
-    let at =
-        |corner: usize| [0, 1].map(|axis: usize| positions[axis][triangle.nodes[corner] as usize]);
-    let [a, b, c] = [at(0), at(1), at(2)];
-    [[b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]]
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use myospring_core::mesh::lattice;
-
-    fn moved(mesh: &Mesh, map: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
-        let both = mesh.points[0].iter().zip(&mesh.points[1]).map(|(&x, &y)| map(x, y));
-        let (xs, ys) = both.map(|[x, y]| (x, y)).unzip();
-        Frame {
-            t_ms: 0.0,
-            ta_kpa: 30.0,
-            ta_by_triangle_kpa: None,
-            on_gel_nn: None,
-            positions: [xs, ys],
-        }
-    }
-
-    fn close(found: &[f64], wanted: f64) {
-        assert!(found.iter().all(|value| (value - wanted).abs() < 1e-10), "{found:?}, {wanted}");
-    }
-
-    #[test]
-    fn a_homogeneous_deformation_has_its_closed_form_in_every_place() {
-        let mesh = lattice::rectangle(6, 4, 2.0).unwrap();
-        // F = [[0.88, 0.05], [0, 1.066]] and the fibre at 30 degrees.
-        let frame = moved(&mesh, |x, y| [0.88 * x + 0.05 * y + 3.0, 1.066 * y - 2.0]);
-        let (sin, cos) = 30f64.to_radians().sin_cos();
-        let content = vec![0.5; mesh.simplices.len()];
-        let fibres = vec![[4.0 * cos, 4.0 * sin]; mesh.simplices.len()];
-        let fields = Fields::new(&mesh, &fibres, Some(&content)).unwrap();
-        let along = (0.88 * cos + 0.05 * sin).hypot(1.066 * sin);
-        let across = (-0.88 * sin + 0.05 * cos).hypot(1.066 * cos);
-        for (field, wanted) in [
-            (Field::FibreStrain, 100.0 * (along - 1.0)),
-            (Field::CrossStrain, 100.0 * (across - 1.0)),
-            (Field::AreaRatio, 0.88 * 1.066),
-            (Field::ActiveStress, 15.0),
-        ] {
-            close(&fields.on_triangles(field, &frame), wanted);
-            close(&fields.on_nodes(field, &frame), wanted);
-        }
-        let way = fields.on_nodes(Field::Displacement, &frame);
-        assert_eq!(way[0], 3f64.hypot(2.0));
-        // Frames at rest widen no scale.
-        let still = moved(&mesh, |x, y| [x, y]);
-        let wide = fields.limits(Field::CrossStrain, [&still, &moved(&mesh, |x, y| [x, 1.3 * y])]);
-        // Stretching one way moves the other by rounding alone, in per cent.
-        assert!(wide[0].abs() < 1e-12, "{wide:?}");
-        let [low, high] = fields.limits(Field::AreaRatio, [&frame]);
-        assert!((low - 0.88 * 1.066).abs() < 1e-12 && high == 1.0);
-    }
-
-    #[test]
-    fn turning_and_shifting_the_cell_is_no_strain() {
-        let mesh = lattice::rectangle(6, 4, 2.0).unwrap();
-        let (sin, cos) = 0.7f64.sin_cos();
-        let frame = moved(&mesh, |x, y| [cos * x - sin * y + 3.0, sin * x + cos * y - 1.0]);
-        let fields = Fields::new(&mesh, &vec![[0.6, 0.8]; mesh.simplices.len()], None).unwrap();
-        for field in [Field::FibreStrain, Field::CrossStrain, Field::AreaRatio] {
-            close(&fields.on_triangles(field, &frame), field.at_rest());
-        }
-    }
-
-    #[test]
-    fn each_triangle_has_a_fibre_and_a_tension_of_its_own() {
-        let mesh = lattice::rectangle(2, 1, 2.0).unwrap();
-        let mut frame = moved(&mesh, |x, y| [0.88 * x, 1.066 * y]);
-        let count = mesh.simplices.len();
-        let fibres: Vec<[f64; 2]> =
-            (0..count).map(|index| if index % 2 == 0 { [1.0, 0.0] } else { [0.0, 1.0] }).collect();
-        frame.ta_by_triangle_kpa = Some((0..count).map(|index| index as f64).collect());
-        let fields = Fields::new(&mesh, &fibres, None).unwrap();
-        let strains = fields.on_triangles(Field::FibreStrain, &frame);
-        assert!((strains[0] + 12.0).abs() < 1e-12 && (strains[1] - 6.6).abs() < 1e-12);
-        assert_eq!(
-            Some(fields.on_triangles(Field::ActiveStress, &frame)),
-            frame.ta_by_triangle_kpa
-        );
-    }
 
     #[test]
     fn every_word_is_of_one_field() {
         let words: std::collections::BTreeSet<_> =
-            Field::ALL.iter().map(|field| field.word()).collect();
-        assert_eq!(words.len(), Field::ALL.len());
+            Field::ALL.iter().chain(&Field::THICK).map(|field| field.word()).collect();
+        assert_eq!(words.len(), Field::ALL.len() + 1);
     }
 }

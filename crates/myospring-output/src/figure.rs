@@ -5,6 +5,7 @@
 //! | [`action_potential_and_tension`] | potential and active tension over time | Fig. 3 |
 //! | [`mesh`] | the lattice made from a picture | Fig. 4a |
 //! | [`cell_shapes`] | the cell at rest, contracting and at its peak, coloured by a field | Fig. 5 |
+//! | [`thick_cell()`] | a thick cell from above and from the side, and sections through it | |
 //! | [`contraction`] | shortening over time, one or several curves | Fig. 6 |
 //! | [`compared()`] | curves and cells of several runs over each other | |
 //! | [`overview()`] | cell and curves of one run in one picture | |
@@ -59,8 +60,10 @@ mod raster;
 mod shapes;
 mod sheet;
 mod skin;
+mod slices;
 mod svg;
 mod theme;
+mod thick;
 mod thumbnail;
 mod traces;
 mod tracked;
@@ -89,6 +92,7 @@ pub use ranking::{Bar, Ranking, rankings};
 pub use shapes::cell_shapes;
 pub use sheet::Figure;
 pub use theme::Theme;
+pub use thick::{DrawnThickCell, thick_cell};
 pub(crate) use thumbnail::thumbnail;
 pub use traces::{ContractionOptions, action_potential_and_tension, contraction};
 pub use tracked::{Tracked, TrackedFrame};
@@ -130,18 +134,16 @@ pub enum FigureError {
     },
     /// A position that is not finite.
     #[error(
-        "{what} puts point {node} at ({x}, {y}) um, which is not finite; draw an earlier frame and \
-         look at the time step"
+        "{what} puts point {node} at {at} um, which is not finite; draw an earlier frame and look at \
+         the time step"
     )]
     NotFinite {
         /// The frame or mesh.
         what: String,
         /// The point.
         node: usize,
-        /// Its x, um.
-        x: f64,
-        /// Its y, um.
-        y: f64,
+        /// Its position, um: `(0, NaN)`.
+        at: String,
     },
     /// A triangle or spring refers to a point that does not exist.
     #[error("the mesh refers to point {node}, but has {points} points; build it with `Mesh::new`")]
@@ -151,6 +153,12 @@ pub enum FigureError {
         /// Points in the mesh.
         points: usize,
     },
+    /// A thick mesh without cubes.
+    #[error(
+        "the thick cell has no cubes, so its surface cannot be drawn; draw one whose mesh has a \
+         lattice, such as `mesh::cubes::block` makes"
+    )]
+    NoCubes,
     /// Fibres or contents that do not fit the mesh.
     #[error(transparent)]
     Field(#[from] FieldError),

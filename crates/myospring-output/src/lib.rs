@@ -30,6 +30,7 @@ pub mod json;
 pub mod npy;
 pub mod npz;
 pub mod page;
+mod surface;
 pub mod table;
 pub mod track;
 pub mod vtu;

@@ -11,7 +11,8 @@
 //! forbids any.
 //!
 //! Its size is bounded: squares of the lattice or several of them in one (`display`), frames that
-//! the eye can distinguish, displacements in 16 bits: 2 MB for the frames of all cells. All charts
+//! the eye can distinguish, displacements in 16 bits: 2 MB for the frames of all cells, and as much
+//! for the surfaces of thick ones, which the page turns in space ([`ThickCell`]). All charts
 //! have 120 000 numbers (1 MB), a figure above 400 kB becomes a picture of pixels, a gallery 3 MB,
 //! a table 1000 rows. `payload.d.ts` in the page's source describes the data.
 
@@ -30,6 +31,7 @@ mod run;
 mod runs;
 mod table;
 mod template;
+mod thick;
 
 pub use cell::{BeatingCells, MovingCell};
 pub use chart::{Chart, Dot, Series, Side, Span, Tone};
@@ -43,3 +45,4 @@ pub use run::{PageRun, ParameterGroup, ParameterRow};
 pub use runs::{Difference, Runs};
 pub use table::{Column, Look, Row, Table, TableCell, Tile, VerdictMark, metric_words};
 pub use template::around_engine;
+pub use thick::ThickCell;

@@ -27,7 +27,7 @@ pub(super) struct Observed {
 }
 
 /// A shape as it is seen from above, and in space if it is thick.
-type Shown = (Frame, Option<Vectors<3>>);
+type Shown = (Frame, Option<Frame<3>>);
 
 /// A shape that can be recorded.
 pub(super) trait Observable<const D: usize>: Shaping {
@@ -51,7 +51,7 @@ where
     }
 
     /// The force of each node on the gel, nN, if the cell adheres to one.
-    fn on_gel(&self, shaping: &impl Observable<D>) -> Option<Vectors> {
+    fn on_gel(&self, shaping: &impl Observable<D>) -> Option<Vectors<D>> {
         let gel = self.assembly.system.compliance()?;
         let pulls = shaping.pulls();
         let pulls = pulls.unwrap_or_else(|| gel.forces(&gel.displacements(&shaping.positions())));
@@ -61,7 +61,7 @@ where
                 all[node] = pull;
             }
         }
-        Some(self.simulation.added_from_above(all))
+        Some(all)
     }
 
     /// The stretch of the activation's sites in a shape.
@@ -159,14 +159,22 @@ where
         shaping: &impl Observable<D>,
     ) -> Shown {
         let (simulation, positions) = (&self.simulation, shaping.positions());
+        let on_gel = self.on_gel(shaping);
+        let in_space = simulation.in_space(&positions).map(|positions| Frame {
+            t_ms: time,
+            ta_kpa: tension,
+            ta_by_triangle_kpa: by_element.map(<[f64]>::to_vec),
+            on_gel_nn: on_gel.as_ref().and_then(|pulls| simulation.in_space(pulls)),
+            positions,
+        });
         let frame = Frame {
             t_ms: time,
             ta_kpa: tension,
             ta_by_triangle_kpa: by_element.map(|tension| simulation.by_triangle(tension)),
-            on_gel_nn: self.on_gel(shaping),
+            on_gel_nn: on_gel.map(|pulls| simulation.added_from_above(pulls)),
             positions: simulation.from_above(&positions).into_owned(),
         };
-        (frame, simulation.in_space(&positions))
+        (frame, in_space)
     }
 
     fn sample(

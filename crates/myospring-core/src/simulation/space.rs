@@ -46,8 +46,8 @@ pub(super) trait Space<const D: usize, const N: usize> {
     /// Forces on the nodes of the cell as it is seen from above: the sums over those above each.
     fn added_from_above(&self, forces: Vectors<D>) -> Vectors;
 
-    /// Positions with three axes, if there are so many.
-    fn in_space(&self, positions: &Vectors<D>) -> Option<Vectors<3>>;
+    /// Vectors with three axes, if there are so many.
+    fn in_space(&self, vectors: &Vectors<D>) -> Option<Vectors<3>>;
 
     /// What moves a body by the engine of the settings.
     fn moved<'a>(
@@ -99,7 +99,7 @@ impl Space<2, 3> for Simulation {
         forces
     }
 
-    fn in_space(&self, _positions: &Vectors) -> Option<Vectors<3>> {
+    fn in_space(&self, _vectors: &Vectors) -> Option<Vectors<3>> {
         None
     }
 
@@ -205,8 +205,8 @@ impl Space<3, 4> for Simulation {
         [0, 1].map(|axis| columns.iter().map(|column| sum(axis, column)).collect())
     }
 
-    fn in_space(&self, positions: &Vectors<3>) -> Option<Vectors<3>> {
-        Some(positions.clone())
+    fn in_space(&self, vectors: &Vectors<3>) -> Option<Vectors<3>> {
+        Some(vectors.clone())
     }
 
     fn moved<'a>(

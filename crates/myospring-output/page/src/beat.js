@@ -4,17 +4,19 @@ import { boxAround, CellView } from "./cell-view.js";
 import { chartsIn, showValues, writeLegend } from "./charts.js";
 import { colour, lineOf, ramp } from "./colours.js";
 import { setUpControls } from "./controls.js";
-import { recordedShapes } from "./data.js";
+import { Camera, letTurn } from "./camera.js";
+import { recordedShapes, recordedSolid } from "./data.js";
 import { find, isFramed, make, say, windowHeight, withCode } from "./elements.js";
 import { layOut } from "./layout.js";
 import { number, plain, quantity, unitText } from "./numbers.js";
 import { OverlayView } from "./overlay-view.js";
 import { addStills, drawStills, printCharts } from "./paper.js";
 import { Player } from "./player.js";
+import { SpaceView } from "./space-view.js";
 
 /** @import { Shapes } from "./data.js" */
 /** @import { Box, Ink } from "./drawing.js" */
-/** @import { Beat, Field, Picture } from "./payload.js" */
+/** @import { Beat, Cell, Field, Picture, Thick } from "./payload.js" */
 
 /** Room around the cell, of its longer side. */
 const ROOM = 0.02;
@@ -37,6 +39,8 @@ const ROOM = 0.02;
  * @property {number} speed
  * @property {boolean} loop
  * @property {string} colour What the cells are coloured by.
+ * @property {string} seen From where: one of the options of `#view`.
+ * @property {Camera} camera
  */
 
 /**
@@ -61,7 +65,13 @@ export function showBeat(beat, lists, motion) {
     [player.speed, player.loop] = [motion.speed, motion.loop];
   }
   const boxes = boxesOfOneSize(cells);
-  const fields = commonFields(beat);
+  const thick = beat.cells.flatMap((cell) => cell.thick ?? []);
+  const isThick = thick.length === beat.cells.length;
+  const seen = find("view", HTMLSelectElement);
+  if (motion !== null) seen.value = motion.seen;
+  const camera = motion?.camera ?? new Camera("space");
+  const inSpace = () => isThick && seen.value !== "above";
+  let fields = commonFields(inSpace() ? thick : beat.cells);
   let field = fields.find(({ key }) => key === (motion?.colour ?? beat.colour)) ?? fields[0];
 
   const opacity = find("opacity", HTMLInputElement);
@@ -71,10 +81,14 @@ export function showBeat(beat, lists, motion) {
   const more = find("more-curves", HTMLDetailsElement);
 
   const overlay = alone ? null : overlayOn(addFigure("all overlaid"));
-  const views = beat.cells.map(
-    ({ label }, index) => new CellView(addFigure(label, alone ? "unseen" : ""), cells[index], boxes[index], null),
-  );
-  const stills = addStills(beat.cells, cells, boxes, player.start, alone ? null : overlayOn);
+  const flatOn = (/** @type {HTMLCanvasElement} */ canvas, /** @type {number} */ index) => new CellView(canvas, cells[index], boxes[index], null);
+  const solids = isThick ? thick.map(recordedSolid) : [];
+  const solidOn = (/** @type {HTMLCanvasElement} */ canvas, /** @type {number} */ index) => new SpaceView(canvas, solids[index], camera, solids);
+  const flat = beat.cells.map(({ label }, index) => flatOn(addFigure(label, alone ? "unseen" : ""), index));
+  const solid = solids.map((_, index) => solidOn(addSpace(flat[index].canvas), index));
+  let views = inSpace() ? solid : flat;
+  const flatStills = addStills(beat.cells, flatOn, player.start, alone ? null : overlayOn);
+  const solidStills = isThick ? addStills(beat.cells, solidOn, player.start, null) : [];
   const charts = chartsIn(beat.charts, lists, player);
   const others = chartsIn(beat.folded, lists, player);
 
@@ -85,16 +99,16 @@ export function showBeat(beat, lists, motion) {
     stage.prepend(find("curves", HTMLElement), find("controls", HTMLElement));
   }
   beat.cells.forEach(({ picture }, index) => {
-    if (picture !== null) loadPicture(picture, views[index]);
+    if (picture !== null) loadPicture(picture, flat[index]);
   });
   setUpControls(player, signal);
   setUpColours();
+  setUpSpace();
   more.hidden = others.length === 0;
   find("more-curves-title", HTMLElement).textContent = beat.folded_title;
   more.addEventListener("toggle", showTime);
   find("about", HTMLElement).append(...withCode(beat.words));
   find("about", HTMLElement).hidden = beat.words === "";
-  sayHowDrawn();
   player.addEventListener("state", describeCells);
   player.addEventListener("time", showTime);
   fitToWindow();
@@ -121,7 +135,7 @@ export function showBeat(beat, lists, motion) {
       ending.abort();
       resized.disconnect();
       [...charts, ...others].forEach(({ chart }) => chart.destroy());
-      return { time, playing, speed, loop, colour: field.key };
+      return { time, playing, speed, loop, colour: field.key, seen: seen.value, camera };
     },
     toPaper() {
       drawForPaper();
@@ -166,7 +180,7 @@ export function showBeat(beat, lists, motion) {
       return;
     }
     view.photograph = { image, box: picture.corners_um };
-    find("picture-choice", HTMLElement).hidden = false;
+    find("picture-choice", HTMLElement).hidden = inSpace();
     // The bar is higher now.
     fitToWindow();
     drawForPaper();
@@ -175,15 +189,60 @@ export function showBeat(beat, lists, motion) {
   /** What the cell is coloured by. */
   function setUpColours() {
     const select = find("field", HTMLSelectElement);
-    select.append(...fields.map((each) => make("option", { value: each.key }, each.name)));
-    select.value = field.key;
     select.addEventListener("change", () => {
       field = fields.find((each) => each.key === select.value) ?? field;
       showScale();
       drawCells();
     });
-    showScale();
     for (const input of [opacity, pictureBox]) input.addEventListener("input", drawCells);
+  }
+
+  function offerColours() {
+    const select = find("field", HTMLSelectElement);
+    select.replaceChildren(...fields.map((each) => make("option", { value: each.key }, each.name)));
+    select.value = field.key;
+    showScale();
+    sayHowDrawn();
+  }
+
+  /** A canvas that turns, beside that of the cell seen from above. @param {HTMLCanvasElement} above */
+  function addSpace(above) {
+    const about = { role: "application", "aria-roledescription": "cell that turns", "aria-describedby": "turn-help", tabindex: "0" };
+    const canvas = make("canvas", { ...about, class: "turns" });
+    above.after(canvas);
+    letTurn(canvas, camera);
+    return canvas;
+  }
+
+  /** What thick cells have in addition: the choice from where they are seen. */
+  function setUpSpace() {
+    find("view-choice", HTMLElement).hidden = !isThick;
+    const choose = () => {
+      views = inSpace() ? solid : flat;
+      fields = commonFields(inSpace() ? thick : beat.cells);
+      field = fields.find(({ key }) => key === field.key) ?? fields[0];
+      for (const { canvas } of flat) canvas.hidden = inSpace();
+      for (const { canvas } of solid) canvas.hidden = !inSpace();
+      find("turn-help", HTMLElement).hidden = find("reset-view", HTMLElement).hidden = !inSpace();
+      find("picture-choice", HTMLElement).hidden = inSpace() || flat.every(({ photograph }) => photograph === null);
+      offerColours();
+    };
+    choose();
+    seen.addEventListener("change", () => {
+      if (inSpace()) camera.stand(seen.value);
+      choose();
+      fitToWindow();
+    });
+    find("reset-view", HTMLButtonElement).addEventListener("click", () => {
+      seen.value = "space";
+      camera.stand("space");
+    });
+    const turned = () => {
+      if (inSpace() && !camera.standsAt(seen.value)) seen.value = "space";
+      drawCells();
+      if (!player.playing) describeCells();
+    };
+    camera.addEventListener("turn", turned, { signal });
   }
 
   function showScale() {
@@ -208,8 +267,8 @@ export function showBeat(beat, lists, motion) {
     const values = showValues(charts, now);
     if (more.open) showValues(others, now);
     slider.setAttribute("aria-valuetext", `${now.toFixed(0)} ms: ${values.join("; ")}`);
-    if (!player.playing) describeCells();
     drawCells();
+    if (!player.playing) describeCells();
   }
 
   /** What a screen reader says of the cells; not while they move. */
@@ -221,10 +280,11 @@ export function showBeat(beat, lists, motion) {
     views.forEach((view, index) => {
       const of = alone ? "The cell" : beat.cells[index].label;
       const [least, most] = view.extremes();
-      const seen = player.playing
+      const size = view instanceof SpaceView ? `${view.size}, ` : "";
+      const now = player.playing
         ? "beating"
-        : `at ${player.time.toFixed(0)} ms, ${field.name} ${number(least)} to ${quantity(most, field.unit)}`;
-      view.canvas.setAttribute("aria-label", `${of}, ${seen}`);
+        : `at ${player.time.toFixed(0)} ms, ${size}${field.name} ${number(least)} to ${quantity(most, field.unit)}`;
+      view.canvas.setAttribute("aria-label", `${of}, ${now}`);
     });
   }
 
@@ -241,13 +301,17 @@ export function showBeat(beat, lists, motion) {
   }
 
   function drawForPaper() {
-    drawStills(stills, views, field, player.start);
+    const shown = inSpace() ? solidStills : flatStills;
+    [...flatStills, ...solidStills].forEach(({ figure }) => figure.remove());
+    find("stills", HTMLElement).append(...shown.map(({ figure }) => figure));
+    drawStills(shown, views, field, player.start);
   }
 
   function sayHowDrawn() {
-    const { spacing_um: spacing, accuracy_um: accuracy } = beat.cells[0];
+    const { spacing_um: spacing, accuracy_um: accuracy } = (inSpace() ? thick : beat.cells)[0];
+    find("rest-line", HTMLElement).textContent = `${inSpace() ? "Grey" : "Dotted"}: the cell at rest.`;
     find("drawn", HTMLElement).textContent =
-      `Drawn on squares of ${number(spacing)} ${unitText("um")}; positions are accurate to ` +
+      `Drawn on ${inSpace() ? "a smoothed surface with patches" : "squares"} of ${number(spacing)} ${unitText("um")}; positions are accurate to ` +
       `${number(accuracy)} ${unitText("um")}. Curves and numbers do not depend on this.`;
   }
 }
@@ -285,10 +349,10 @@ function ink() {
 /**
  * The fields that every cell has, on one scale.
  *
- * @param {Beat} beat
+ * @param {(Cell | Thick)[]} cells
  * @returns {Field[]}
  */
-function commonFields({ cells }) {
+function commonFields(cells) {
   return cells[0].fields.flatMap((first) => {
     const all = cells.map((cell) => cell.fields.find((other) => other.key === first.key));
     const low = Math.min(...all.map((each) => each?.low ?? NaN));

@@ -1,6 +1,6 @@
 // From the text in the page to numbers.
 
-/** @import { Cell, Packed, Payload } from "./payload.js" */
+/** @import { Cell, FieldKey, Packed, Payload, Thick } from "./payload.js" */
 
 /**
  * The data that stand in a page.
@@ -74,6 +74,19 @@ export function lastBefore(times, time) {
 }
 
 /**
+ * The frames around a time: the last that is not after it, the next one, and how far between them it is.
+ *
+ * @param {number[]} times
+ * @param {number} time
+ */
+function around(times, time) {
+  const last = lastBefore(times, time);
+  const next = Math.min(last + 1, times.length - 1);
+  const gap = times[next] - times[last];
+  return { last, next, part: gap > 0 ? Math.min(Math.max((time - times[last]) / gap, 0), 1) : 0 };
+}
+
+/**
  * The shapes of a recorded cell; between its frames they lie on straight lines.
  *
  * @param {Cell} cell
@@ -106,10 +119,7 @@ export function recordedShapes(cell) {
     rings,
     span: [times[0] ?? 0, times[times.length - 1] ?? 0],
     at(time, shape) {
-      const last = lastBefore(times, time);
-      const next = Math.min(last + 1, times.length - 1);
-      const gap = times[next] - times[last];
-      const part = gap > 0 ? Math.min(Math.max((time - times[last]) / gap, 0), 1) : 0;
+      const { last, next, part } = around(times, time);
       const [a, b] = [last * count, next * count];
       for (let i = 0; i < count; i++) {
         shape.points[i] = rest[i] + step * (moved[a + i] + part * (moved[b + i] - moved[a + i]));
@@ -127,6 +137,73 @@ export function recordedShapes(cell) {
       if (stress !== null) shape.stress = between(stress, stressStep, shape.stress ?? new Float32Array(squares));
       if (traction !== null) {
         shape.traction = between(traction, cell.frames.traction_step_pa, shape.traction ?? new Float32Array(2 * squares));
+      }
+    },
+  };
+}
+
+/**
+ * What is needed of a thick cell to draw it in space at any time.
+ *
+ * @typedef {object} Solid
+ * @property {Float32Array} rest Points of its surface at rest, um, x, y and z in turn.
+ * @property {Uint32Array} corners Four of each patch, counter-clockwise seen from outside.
+ * @property {number} longAxis Seen from above, radians counter-clockwise from x.
+ * @property {number[]} middle Of the cell at rest, um, x, y and z.
+ * @property {number} spacing Side of a patch, um.
+ * @property {(time: number, key: FieldKey, shape: SolidShape) => void} at Fills in the shape at a time, ms.
+ */
+
+/**
+ * A thick cell at one time.
+ *
+ * @typedef {object} SolidShape
+ * @property {Float32Array} points Positions, um, x, y and z in turn.
+ * @property {Float32Array} values Of a field at each point.
+ * @property {number[]} size Length, width and thickness, um.
+ */
+
+/** A shape to be filled in. @param {Solid} solid @returns {SolidShape} */
+export function blankSolid({ rest }) {
+  return { points: new Float32Array(rest.length), values: new Float32Array(rest.length / 3), size: [0, 0, 0] };
+}
+
+/**
+ * The shapes of a recorded thick cell; between its frames they lie on straight lines.
+ *
+ * @param {Thick} thick
+ * @returns {Solid}
+ */
+export function recordedSolid(thick) {
+  const { t_ms: times, step_um: step, size_um: sizes } = thick.frames;
+  const rest = new Float32Array(bytes(thick.rest_um));
+  const moved = new Int16Array(bytes(thick.frames.displacement));
+  const fields = new Map(thick.fields.map((field) => [field.key, { ...field, steps: new Uint8Array(bytes(field.values)) }]));
+  const ends = [0, 1, 2].map((axis) => {
+    const along = rest.filter((_, index) => index % 3 === axis);
+    return [along.reduce((a, b) => Math.min(a, b), Infinity), along.reduce((a, b) => Math.max(a, b), -Infinity)];
+  });
+  return {
+    rest,
+    corners: new Uint32Array(bytes(thick.corners)),
+    longAxis: thick.long_axis,
+    middle: ends.map(([low, high]) => (low + high) / 2),
+    spacing: thick.spacing_um,
+    at(time, key, shape) {
+      const { last, next, part } = around(times, time);
+      /** @type {(values: ArrayLike<number>, count: number, index: number) => number} */
+      const between = (values, count, index) => {
+        const from = values[last * count + index];
+        return from + part * (values[next * count + index] - from);
+      };
+      rest.forEach((at, index) => (shape.points[index] = at + step * between(moved, rest.length, index)));
+      shape.size = sizes[last].map((from, axis) => from + part * (sizes[next][axis] - from));
+      const field = fields.get(key);
+      if (field === undefined) return;
+      const unit = (field.high - field.low) / 255;
+      const { values } = shape;
+      for (let point = 0; point < values.length; point++) {
+        values[point] = field.low + unit * between(field.steps, values.length, point);
       }
     },
   };

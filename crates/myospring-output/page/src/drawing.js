@@ -28,11 +28,11 @@ import { plain, roundLength } from "./numbers.js";
 
 /** Distance of the drawing from the edge of its canvas, px. */
 const MARGIN = 14;
-/** Height that the scale bar takes, px. */
-const FOOT = 30;
 
 /** A canvas of a size in px of the page, on which um have their place. */
 export class Sheet {
+  /** Height that the scale bar takes, px. */
+  static FOOT = 30;
   width = 0;
   height = 0;
 
@@ -48,12 +48,12 @@ export class Sheet {
   /** Height for a width, px, so that the box fills it. */
   static heightFor(/** @type {Box} */ [[left, low], [right, high]], /** @type {number} */ width) {
     const scale = (width - 2 * MARGIN) / (right - left);
-    return scale * (high - low) + 2 * MARGIN + FOOT;
+    return scale * (high - low) + 2 * MARGIN + Sheet.FOOT;
   }
 
   /** Width for a height, px, so that the box fills it. */
   static widthFor(/** @type {Box} */ [[left, low], [right, high]], /** @type {number} */ height) {
-    const scale = (height - 2 * MARGIN - FOOT) / (high - low);
+    const scale = (height - 2 * MARGIN - Sheet.FOOT) / (high - low);
     return scale * (right - left) + 2 * MARGIN;
   }
 
@@ -63,7 +63,7 @@ export class Sheet {
     /** @type {number} */ width,
     /** @type {number} */ height,
   ) {
-    return Math.min((width - 2 * MARGIN) / (right - left), (height - 2 * MARGIN - FOOT) / (high - low));
+    return Math.min((width - 2 * MARGIN) / (right - left), (height - 2 * MARGIN - Sheet.FOOT) / (high - low));
   }
 
   /**
@@ -90,7 +90,7 @@ export class Sheet {
     const scale = Sheet.scaleIn(this.box, this.width, this.height);
     const origin = {
       x: (this.width - scale * (right + left)) / 2,
-      y: (this.height - FOOT + scale * (high + low)) / 2,
+      y: (this.height - Sheet.FOOT + scale * (high + low)) / 2,
     };
     pen.setTransform(density, 0, 0, density, 0, 0);
     pen.clearRect(0, 0, this.width, this.height);

@@ -4,7 +4,6 @@ import { Chart } from "./curves.js";
 import { Sheet } from "./drawing.js";
 import { find, make } from "./elements.js";
 
-/** @import { CellView } from "./cell-view.js" */
 /** @import { ShownChart } from "./charts.js" */
 /** @import { OverlayView } from "./overlay-view.js" */
 
@@ -37,7 +36,7 @@ const MOST_OF_SEVERAL = 0.62;
  *
  * @typedef {object} Parts
  * @property {HTMLElement} stage
- * @property {CellView[]} views
+ * @property {Sheet[]} views
  * @property {OverlayView | null} overlay Of several runs.
  * @property {ShownChart[]} charts Those that lead.
  * @property {ShownChart[]} others Those that are folded.

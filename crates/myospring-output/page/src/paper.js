@@ -1,14 +1,13 @@
 // What paper has instead of what moves.
 
-import { CellView } from "./cell-view.js";
 import { Sheet } from "./drawing.js";
 import { find, make } from "./elements.js";
 import { fitCharts, heightOfCharts } from "./layout.js";
 
 /** @import { ShownBeat } from "./beat.js" */
 /** @import { OwnChart, ShownChart } from "./charts.js" */
-/** @import { Shapes } from "./data.js" */
-/** @import { Box } from "./drawing.js" */
+/** @import { CellView } from "./cell-view.js" */
+/** @import { SpaceView } from "./space-view.js" */
 /** @import { OverlayView } from "./overlay-view.js" */
 /** @import { Cell, Field } from "./payload.js" */
 
@@ -21,7 +20,8 @@ const PAPER = { width: 660, plot: 76, half: 318 };
  * A cell at one time.
  *
  * @typedef {object} Still
- * @property {CellView} view
+ * @property {CellView | SpaceView} view
+ * @property {HTMLElement} figure
  * @property {number} time ms.
  * @property {number} cell Which.
  */
@@ -30,18 +30,16 @@ const PAPER = { width: 660, plot: 76, half: 318 };
  * The canvases that paper has instead of the animation: cells at rest and at their peak.
  *
  * @param {Cell[]} cells
- * @param {Shapes[]} shapes
- * @param {Box[]} boxes
+ * @param {(canvas: HTMLCanvasElement, cell: number) => CellView | SpaceView} viewOn
  * @param {number} start First time, ms.
  * @param {((canvas: HTMLCanvasElement) => OverlayView) | null} overlayOn Of several runs.
  */
-export function addStills(cells, shapes, boxes, start, overlayOn) {
+export function addStills(cells, viewOn, start, overlayOn) {
   const place = find("stills", HTMLElement);
-  /** @type {(caption: string) => HTMLCanvasElement} */
+  /** @type {(caption: string) => { canvas: HTMLCanvasElement, figure: HTMLElement }} */
   const add = (caption) => {
     const canvas = make("canvas");
-    place.append(make("figure", {}, canvas, make("figcaption", {}, caption)));
-    return canvas;
+    return { canvas, figure: make("figure", {}, canvas, make("figcaption", {}, caption)) };
   };
   const size = (/** @type {Sheet} */ sheet) => {
     sheet.resize(340, Math.min(Sheet.heightFor(sheet.box, 340), 400), 3);
@@ -52,7 +50,9 @@ export function addStills(cells, shapes, boxes, start, overlayOn) {
       ["all at rest", cells.map(() => start)],
       ["each at its peak", cells.map((cell) => cell.peak_ms)],
     ])) {
-      const view = overlayOn(add(caption));
+      const { canvas, figure } = add(caption);
+      const view = overlayOn(canvas);
+      place.append(figure);
       size(view);
       view.draw(times, PRINTED);
     }
@@ -63,9 +63,10 @@ export function addStills(cells, shapes, boxes, start, overlayOn) {
       ["at its peak", cell.peak_ms],
     ]).map(([name, time]) => {
       const of = cells.length === 1 ? "" : `${cell.label}, `;
-      const view = new CellView(add(`${of}${name}, ${time.toFixed(0)} ms`), shapes[index], boxes[index], null);
+      const { canvas, figure } = add(`${of}${name}, ${time.toFixed(0)} ms`);
+      const view = viewOn(canvas, index);
       size(view);
-      return { view, time, cell: index };
+      return { view, figure, time, cell: index };
     }),
   );
 }
@@ -74,7 +75,7 @@ export function addStills(cells, shapes, boxes, start, overlayOn) {
  * Draws the cells for paper; at rest, where no colour says anything, on its picture.
  *
  * @param {Still[]} stills
- * @param {CellView[]} views On the screen.
+ * @param {(CellView | SpaceView)[]} views On the screen.
  * @param {Field} field
  * @param {number} start First time, ms.
  */

@@ -200,6 +200,39 @@ export interface Cell {
   /** By how much a point drawn may be off, um. */
   accuracy_um: number;
   fields: Field[];
+  /** The same cell in space, if it is thick. */
+  thick: Thick | null;
+}
+
+/** A thick cell: its surface. */
+export interface Thick {
+  /** Points at rest, um, x, y and z in turn. f32 */
+  rest_um: Packed;
+  /** Four corners of each patch, counter-clockwise seen from outside; the last two of a triangle are one. u32. */
+  corners: Packed;
+  /** Direction of the long axis seen from above, radians counter-clockwise from x. */
+  long_axis: number;
+  frames: ThickFrames;
+  /** Side of a patch, um. */
+  spacing_um: number;
+  /** By how much a point drawn may be off, um. */
+  accuracy_um: number;
+  fields: ThickField[];
+}
+
+export interface ThickFrames {
+  t_ms: number[];
+  /** Displacement from rest of each point in each frame, x, y and z in turn, in steps of `step_um`. i16. */
+  displacement: Packed;
+  step_um: number;
+  /** Length, width and thickness of the mesh in each frame, um. */
+  size_um: [number, number, number][];
+}
+
+/** What a thick cell can be coloured by. */
+export interface ThickField extends Field {
+  /** The value of each point in each frame, in 255 steps from `low` to `high`. u8. */
+  values: Packed;
 }
 
 export interface Frames {
@@ -237,6 +270,7 @@ export type FieldKey =
   | "fibre-strain"
   | "cross-strain"
   | "area-ratio"
+  | "volume-ratio"
   | "active-stress"
   | "displacement"
   | "traction";

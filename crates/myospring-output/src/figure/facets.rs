@@ -3,21 +3,24 @@
 use std::collections::BTreeMap;
 
 use super::FigureError;
+use crate::digits::point;
 use myospring_core::mesh::{Mesh, Simplex};
 use myospring_core::recording::Frame;
 
-/// A patch: a lattice square, or a triangle if the mesh is not a lattice.
+/// A patch: a lattice square (of a thick cell a cube), or a simplex if the mesh is not a lattice.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Facet {
-    /// Corners, counter-clockwise.
+    /// Corners, counter-clockwise; of a cube those of its lower face, then of its upper one.
     pub(crate) corners: Vec<u32>,
-    /// Which triangles of the mesh cover it.
-    pub(crate) triangles: Vec<usize>,
+    /// Which simplices of the mesh cover it.
+    pub(crate) simplices: Vec<usize>,
 }
 
-/// Checks that triangles and springs refer to existing points, and that points at rest are finite.
-pub(crate) fn check_mesh(mesh: &Mesh) -> Result<(), FigureError> {
-    let points = mesh.points[0].len().min(mesh.points[1].len());
+/// Checks that simplices and springs refer to existing points, and that points at rest are finite.
+pub(crate) fn check_mesh<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+) -> Result<(), FigureError> {
+    let points = mesh.points.iter().map(Vec::len).min().unwrap_or(0);
     if points == 0 {
         return Err(FigureError::Nothing { what: "points" });
     }
@@ -30,8 +33,11 @@ pub(crate) fn check_mesh(mesh: &Mesh) -> Result<(), FigureError> {
 }
 
 /// Checks that a frame has as many finite positions as the mesh has points.
-pub(crate) fn check_frame(mesh: &Mesh, frame: &Frame) -> Result<(), FigureError> {
-    for axis in 0..2 {
+pub(crate) fn check_frame<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    frame: &Frame<D>,
+) -> Result<(), FigureError> {
+    for axis in 0..D {
         let (found, points) = (frame.positions[axis].len(), mesh.points[axis].len());
         if found != points {
             return Err(FigureError::WrongMesh { t_ms: frame.t_ms, axis, found, points });
@@ -40,51 +46,52 @@ pub(crate) fn check_frame(mesh: &Mesh, frame: &Frame) -> Result<(), FigureError>
     check_finite(&frame.positions, || format!("the frame at {} ms", frame.t_ms))
 }
 
-fn check_finite(
-    positions: &[Vec<f64>; 2],
+fn check_finite<const D: usize>(
+    positions: &[Vec<f64>; D],
     what: impl FnOnce() -> String,
 ) -> Result<(), FigureError> {
-    let [xs, ys] = positions;
-    match xs.iter().zip(ys).position(|(x, y)| !(x.is_finite() && y.is_finite())) {
-        Some(node) => Err(FigureError::NotFinite { what: what(), node, x: xs[node], y: ys[node] }),
+    let points = positions.iter().map(Vec::len).min().unwrap_or(0);
+    let at = |node: usize| positions.each_ref().map(|axis| axis[node]);
+    match (0..points).find(|&node| at(node).iter().any(|x| !x.is_finite())) {
+        Some(node) => Err(FigureError::NotFinite { what: what(), node, at: point(&at(node)) }),
         None => Ok(()),
     }
 }
 
-/// The facets of a checked mesh: squares in a lattice, triangles elsewhere.
-pub(crate) fn facets(mesh: &Mesh) -> Vec<Facet> {
-    let columns_and_rows =
+/// The facets of a checked mesh: squares or cubes in a lattice, triangles or tetrahedra elsewhere.
+pub(crate) fn facets<const D: usize, const N: usize>(mesh: &Mesh<D, N>) -> Vec<Facet> {
+    let lattice =
         mesh.lattice.as_ref().filter(|lattice| lattice.cells.len() == mesh.points[0].len());
-    let Some(lattice) = columns_and_rows else {
-        let triangle = |(index, s): (usize, &Simplex<3>)| Facet {
+    let Some(lattice) = lattice else {
+        let alone = |(index, s): (usize, &Simplex<N>)| Facet {
             corners: s.nodes.to_vec(),
-            triangles: vec![index],
+            simplices: vec![index],
         };
-        return mesh.simplices.iter().enumerate().map(triangle).collect();
+        return mesh.simplices.iter().enumerate().map(alone).collect();
     };
-    let mut squares: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
+    // By layer, then row, then column.
+    let mut places: BTreeMap<[u32; D], Vec<usize>> = BTreeMap::new();
     for (index, simplex) in mesh.simplices.iter().enumerate() {
-        let corner = |axis: usize| simplex.nodes.map(|node| lattice.cells[node as usize][axis]);
-        let lowest = |[a, b, c]: [u32; 3]| a.min(b).min(c);
-        squares.entry([lowest(corner(1)), lowest(corner(0))]).or_default().push(index);
+        let cells = simplex.nodes.map(|node| lattice.cells[node as usize]);
+        let lowest = std::array::from_fn(|axis| {
+            cells.iter().fold(u32::MAX, |lowest, cell| lowest.min(cell[D - 1 - axis]))
+        });
+        places.entry(lowest).or_default().push(index);
     }
-    squares
-        .into_values()
-        .map(|triangles| {
-            let nodes = triangles.iter().flat_map(|&index| mesh.simplices[index].nodes);
+    places
+        .into_iter()
+        .map(|(lowest, simplices)| {
+            let nodes = simplices.iter().flat_map(|&index| mesh.simplices[index].nodes);
             let mut corners: Vec<u32> = nodes.collect();
-            corners.sort_unstable();
-            corners.dedup();
-            let at = |node: u32| [0, 1].map(|axis: usize| mesh.points[axis][node as usize]);
-            let middle = [0, 1].map(|axis: usize| {
-                corners.iter().map(|&node| at(node)[axis]).sum::<f64>() / corners.len() as f64
-            });
-            let angle = |&node: &u32| {
-                let [x, y] = at(node);
-                (y - middle[1]).atan2(x - middle[0])
+            let around = |&node: &u32| {
+                let cell = lattice.cells[node as usize];
+                let offset = |axis: usize| usize::from(cell[axis] > lowest[D - 1 - axis]);
+                let upper = (2..D).map(offset).sum::<usize>();
+                4 * upper + [0, 1, 3, 2][offset(0) + 2 * offset(1)]
             };
-            corners.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
-            Facet { corners, triangles }
+            corners.sort_by_key(|node| (around(node), *node));
+            corners.dedup();
+            Facet { corners, simplices }
         })
         .collect()
 }
@@ -128,7 +135,7 @@ pub(super) fn outline(facets: &[Facet]) -> Vec<Vec<u32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use myospring_core::mesh::Lattice;
+    use myospring_core::mesh::{Lattice, bar};
 
     /// Two squares of side 2 beside each other.
     fn mesh() -> Mesh {
@@ -166,7 +173,20 @@ mod tests {
         let facets = facets(&mesh());
         let corners: Vec<_> = facets.iter().map(|facet| facet.corners.clone()).collect();
         assert_eq!(corners, [[0, 1, 4, 3], [1, 2, 5, 4]]);
-        assert_eq!(facets[0].triangles.len(), 4);
+        assert_eq!(facets[0].simplices.len(), 4);
+    }
+
+    #[test]
+    fn cubes_are_put_together_with_the_lower_face_first() {
+        let block = cubes::block([2, 1, 1], 2.0).unwrap();
+        let facets = facets(&block);
+        assert_eq!(facets.len(), 2);
+        let at = |node: &u32| block.point(*node as usize).map(|x| x / 2.0);
+        let corners: Vec<[f64; 3]> = facets[0].corners.iter().map(at).collect();
+        let round = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let expected = [0.0, 1.0].map(|z| round.map(|[x, y]| [x, y, z]));
+        assert_eq!(corners, expected.concat());
+        assert_eq!(facets[1].simplices.len(), 10);
     }
 
     #[test]

@@ -5,13 +5,13 @@ use myospring_core::recording::{Frame, Recording};
 /// A cell that shortens by less than this, per cent, is held.
 pub(super) const LEAST_SHORTENING: f64 = 0.1;
 
-/// A frame with its labels.
+/// A frame with its labels; `D` = 3 of a thick cell.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape<'a> {
+pub struct Shape<'a, const D: usize = 2> {
     /// Short name: `at rest`, `peak`.
     pub name: String,
     /// The shape.
-    pub frame: &'a Frame,
+    pub frame: &'a Frame<D>,
     /// Shortening, per cent of the resting length, if known.
     pub shortening_pct: Option<f64>,
 }

@@ -4,13 +4,12 @@ use super::chart::Chart;
 use super::display::Display;
 use super::error::PageError;
 use super::fields::{self, FieldData};
-use super::frames;
+use super::frames::{self, Candidate, Fitted, packed};
 use super::photograph::{self, Photograph, PictureData};
+use super::thick::{self, ThickCell, ThickData};
 use crate::digits::rounded;
 use crate::field::{Field, Fields};
 use crate::figure::{check_frame, check_mesh};
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use myospring_core::mesh::Mesh;
 use myospring_core::mesh::outline::Outline;
 use myospring_core::recording::Frame;
@@ -20,11 +19,9 @@ use serde::Serialize;
 const BUDGET: usize = 1_400_000;
 /// Masses of a lattice that is drawn square by square; of larger ones several squares are drawn as one.
 const FINE: usize = 4000;
-/// Points below which squares are not made coarser still: frames are left out instead.
-const COARSE: usize = 900;
 /// Largest invisible error, as a part of the longer side of the cell: a quarter of a pixel in a
 /// thousand.
-const UNSEEN: f64 = 1.0 / 4000.0;
+pub(super) const UNSEEN: f64 = 1.0 / 4000.0;
 
 /// Cells that beat, with the curves that go with them.
 #[derive(Debug, Clone)]
@@ -62,6 +59,8 @@ pub struct MovingCell<'a> {
     pub picture: Option<Photograph<'a>>,
     /// When it contracts most, ms: the shape that is printed.
     pub peak_ms: f64,
+    /// The same cell in space, if it is thick.
+    pub thick: Option<ThickCell<'a>>,
 }
 
 #[derive(Debug, Serialize)]
@@ -78,6 +77,7 @@ pub(super) struct CellData<'a> {
     spacing_um: f64,
     accuracy_um: f64,
     fields: Vec<FieldData>,
+    thick: Option<ThickData>,
 }
 
 #[derive(Debug, Serialize)]
@@ -113,12 +113,10 @@ pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>
         check_frame(cell.mesh, frame)?;
     }
 
-    let Small { display, kept, displacements, tolerance } = small(cell, &all, BUDGET / share);
+    let small = small(cell, &all, BUDGET / share);
+    let (displacement, step) = frames::quantised(&small);
+    let Fitted { drawn: display, kept, tolerance, .. } = small;
     let shown: Vec<&Frame> = kept.iter().map(|&at| all[at]).collect();
-    let moved = || kept.iter().flat_map(|&at| &displacements[at]);
-    let furthest = moved().fold(0.0_f32, |most, value| most.max(value.abs()));
-    let step = (f64::from(furthest) / f64::from(i16::MAX)).max(1e-9);
-    let quantised = moved().map(|&value| (f64::from(value) / step).round() as i16);
 
     let stress = differs(cell).then(|| {
         let of = |frame: &&Frame| display.means(&fields.on_triangles(Field::ActiveStress, frame));
@@ -145,6 +143,7 @@ pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>
         packed(values.iter().map(|value| ((value / traction_step).round() as i16).to_le_bytes()))
     });
 
+    let thick = cell.thick.as_ref().map(|thick| thick::of(thick, cell.has_tension, share));
     let picture = cell.picture.as_ref().map(|picture| photograph::of(picture, cell.outline));
     Ok(CellData {
         label: cell.label,
@@ -157,7 +156,7 @@ pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>
         rings: display.rings.clone(),
         frames: Frames {
             t_ms: shown.iter().map(|frame| rounded(frame.t_ms)).collect(),
-            displacement: packed(quantised.map(i16::to_le_bytes)),
+            displacement,
             step_um: step,
             ta_kpa: shown.iter().map(|frame| rounded(frame.ta_kpa)).collect(),
             stress,
@@ -168,47 +167,26 @@ pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>
         spacing_um: rounded(display.spacing),
         accuracy_um: rounded(tolerance + step),
         fields: fields::of(&fields, &display, &shown, cell.has_tension),
+        thick: thick.transpose()?,
     })
 }
 
-/// A cell that is small enough.
-struct Small {
-    display: Display,
-    kept: Vec<usize>,
-    displacements: Vec<Vec<f32>>,
-    /// Tolerance of positions between frames, um.
-    tolerance: f64,
-}
-
-/// Squares and frames that fit into some bytes: first squares are made coarser, then frames are left out.
-fn small(cell: &MovingCell<'_>, all: &[&Frame], budget: usize) -> Small {
+/// Squares and frames that fit into some bytes.
+fn small(cell: &MovingCell<'_>, all: &[&Frame], budget: usize) -> Fitted<Display> {
     let times: Vec<f64> = all.iter().map(|frame| frame.t_ms).collect();
     let [low, high] = cell.outline.bounds();
-    let mut tolerance = UNSEEN * (high[0] - low[0]).max(high[1] - low[1]);
-    let mut longest = frames::LONGEST;
-    let mut coarser = (cell.mesh.len() as f64 / FINE as f64).sqrt().ceil().max(1.0) as u32;
-    loop {
+    let tolerance = UNSEEN * (high[0] - low[0]).max(high[1] - low[1]);
+    let coarser = (cell.mesh.len() as f64 / FINE as f64).sqrt().ceil().max(1.0) as u32;
+    frames::fitted(&times, coarser, tolerance, budget, |coarser| {
         let display = Display::new(cell.mesh, cell.outline, coarser);
-        let displacements: Vec<Vec<f32>> =
+        let displacements =
             all.iter().map(|frame| display.displacements(&frame.positions)).collect();
         let on_gel = all.iter().all(|frame| frame.on_gel_nn.is_some());
-        let per_frame = 4 * display.rest.len()
+        let bytes = 4 * display.rest.len()
             + if differs(cell) { 2 * display.corners.len() } else { 0 }
             + if on_gel { 4 * display.corners.len() } else { 0 };
-        loop {
-            let kept = frames::kept(&times, &displacements, tolerance, longest);
-            if kept.len() * per_frame <= budget || kept.len() <= 2 {
-                return Small { display, kept, displacements, tolerance };
-            }
-            if display.rest.len() > COARSE {
-                break;
-            }
-            // This ends with two frames at the latest.
-            tolerance *= 1.5;
-            longest = longest * 3 / 2;
-        }
-        coarser += 1;
-    }
+        Candidate { points: display.rest.len(), bytes, displacements, drawn: display }
+    })
 }
 
 /// Whether the active stress differs from place to place.
@@ -224,9 +202,4 @@ fn directions(cell: &MovingCell<'_>, display: &Display) -> Vec<f64> {
         |of: fn(&[f64; 2]) -> f64| display.means(&cell.fibres.iter().map(of).collect::<Vec<f64>>());
     let (along, across) = (mean(|[x, y]| x * x - y * y), mean(|[x, y]| 2.0 * x * y));
     along.iter().zip(&across).map(|(x, y)| 0.5 * y.atan2(*x)).collect()
-}
-
-/// Bytes as text.
-fn packed<const N: usize>(numbers: impl Iterator<Item = [u8; N]>) -> String {
-    STANDARD.encode(numbers.flatten().collect::<Vec<u8>>())
 }

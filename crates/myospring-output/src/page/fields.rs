@@ -19,8 +19,9 @@ pub(super) struct FieldData {
     name: &'static str,
     unit: &'static str,
     definition: &'static str,
-    low: f64,
-    high: f64,
+    /// Ends of the scale of colours.
+    pub(super) low: f64,
+    pub(super) high: f64,
     colours: Vec<String>,
     extremes: [f64; 2],
 }
@@ -33,15 +34,19 @@ pub(super) fn of(
     has_tension: bool,
 ) -> Vec<FieldData> {
     let known = Field::ALL.into_iter().filter(|field| field.is_known(frames, has_tension));
-    known.map(|field| data(field, fields, display, frames)).collect()
+    let means = |field, frame| {
+        let mut values = display.means(&fields.on_triangles(field, frame));
+        values.truncate(display.within);
+        values
+    };
+    known.map(|field| data(field, frames.iter().map(|frame| means(field, frame)))).collect()
 }
 
-fn data(field: Field, fields: &Fields<'_>, display: &Display, frames: &[&Frame]) -> FieldData {
+/// A field with these values in each frame.
+pub(super) fn data(field: Field, frames: impl Iterator<Item = Vec<f64>>) -> FieldData {
     let nothing = [f64::INFINITY, f64::NEG_INFINITY];
     let (mut extremes, mut most_places) = (nothing, nothing);
-    for frame in frames {
-        let values = display.means(&fields.on_triangles(field, frame));
-        let values = &values[..display.within];
+    for values in frames {
         let wider = |[low, high]: [f64; 2], part: f64| {
             let ends = [part, 1.0 - part].map(|part| quantile(values.iter().copied(), part));
             [low.min(ends[0].unwrap_or(low)), high.max(ends[1].unwrap_or(high))]

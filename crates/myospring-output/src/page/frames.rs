@@ -1,17 +1,79 @@
 //! The frames that the eye can distinguish.
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
 /// Largest number of frames between two that are kept, if they fit.
-pub(super) const LONGEST: usize = 12;
+const LONGEST: usize = 12;
+
+/// Points below which a cell is not made coarser still: frames are left out instead.
+const COARSE: usize = 900;
+
+/// A cell as it may be drawn.
+pub(super) struct Candidate<T> {
+    pub(super) drawn: T,
+    /// Number of its points.
+    pub(super) points: usize,
+    /// Bytes of each frame.
+    pub(super) bytes: usize,
+    /// How far all points have moved from rest in each frame, um.
+    pub(super) displacements: Vec<Vec<f32>>,
+}
+
+/// A cell that is small enough.
+pub(super) struct Fitted<T> {
+    pub(super) drawn: T,
+    pub(super) displacements: Vec<Vec<f32>>,
+    /// Which frames are kept.
+    pub(super) kept: Vec<usize>,
+    /// Tolerance of positions between frames, um.
+    pub(super) tolerance: f64,
+}
+
+/// A cell and frames that fit into some bytes: first the cell is made coarser, from `coarser` on, then frames are left out.
+pub(super) fn fitted<T>(
+    times: &[f64],
+    mut coarser: u32,
+    mut tolerance: f64,
+    budget: usize,
+    candidate: impl Fn(u32) -> Candidate<T>,
+) -> Fitted<T> {
+    let mut longest = LONGEST;
+    loop {
+        let Candidate { drawn, points, bytes, displacements } = candidate(coarser);
+        loop {
+            let kept = kept(times, &displacements, tolerance, longest);
+            if kept.len() * bytes <= budget || kept.len() <= 2 {
+                return Fitted { drawn, displacements, kept, tolerance };
+            }
+            if points > COARSE {
+                break;
+            }
+            // This ends with two frames at the latest.
+            tolerance *= 1.5;
+            longest = longest * 3 / 2;
+        }
+        coarser += 1;
+    }
+}
+
+/// Displacements of the kept frames in steps of 16 bits, and the step, um.
+pub(super) fn quantised<T>(fitted: &Fitted<T>) -> (String, f64) {
+    let moved = || fitted.kept.iter().flat_map(|&at| &fitted.displacements[at]);
+    let furthest = moved().fold(0.0_f32, |most, value| most.max(value.abs()));
+    let step = (f64::from(furthest) / f64::from(i16::MAX)).max(1e-9);
+    (packed(moved().map(|&value| ((f64::from(value) / step).round() as i16).to_le_bytes())), step)
+}
+
+/// Bytes as text.
+pub(super) fn packed<const N: usize>(numbers: impl Iterator<Item = [u8; N]>) -> String {
+    STANDARD.encode(numbers.flatten().collect::<Vec<u8>>())
+}
 
 /// The frames to keep, so that every point of the others lies within `tolerance` um of the straight
 /// line between the two around it: as few as a search over the next `longest` frames finds, the
 /// first and last included.
-pub(super) fn kept(
-    times: &[f64],
-    displacements: &[Vec<f32>],
-    tolerance: f64,
-    longest: usize,
-) -> Vec<usize> {
+fn kept(times: &[f64], displacements: &[Vec<f32>], tolerance: f64, longest: usize) -> Vec<usize> {
     let Some(last) = times.len().checked_sub(1) else { return Vec::new() };
     let mut kept = vec![0];
     let mut from = 0;

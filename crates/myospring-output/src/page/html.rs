@@ -37,6 +37,7 @@ use super::template::TEMPLATE;
 ///     run_file: "",
 ///     citations: "",
 ///     picture: None,
+///     thick: None,
 /// };
 /// let runs = Runs { runs: vec![run], differences: &[] };
 /// let mut sections = vec![runs.key_numbers(), runs.beat(Field::FibreStrain, Vec::new())];

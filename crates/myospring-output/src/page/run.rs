@@ -5,6 +5,7 @@ use super::chart::Tone;
 use super::content::Part;
 use super::photograph::Photograph;
 use super::table::{Column, Look, Row, Table, TableCell};
+use super::thick::ThickCell;
 use myospring_core::analysis::bands::{self, Band};
 use myospring_core::analysis::summary::Summary;
 use myospring_core::analysis::{Metric, Missing};
@@ -39,6 +40,8 @@ pub struct PageRun<'a> {
     pub citations: &'a str,
     /// The picture that the cell was found in.
     pub picture: Option<Photograph<'a>>,
+    /// The same cell in space, if it is thick.
+    pub thick: Option<ThickCell<'a>>,
 }
 
 /// Parameters that belong together.
@@ -82,6 +85,7 @@ impl<'a> PageRun<'a> {
             outline: self.outline,
             picture: self.picture,
             peak_ms: samples.max_by(shortest).map_or(0.0, |sample| sample.t_ms),
+            thick: self.thick,
         }
     }
 

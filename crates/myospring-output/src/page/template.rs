@@ -15,7 +15,7 @@ macro_rules! modules {
 }
 
 /// The modules that draw, each after those that it imports.
-const MODULES: [(&str, &str); 20] = modules![
+const MODULES: [(&str, &str); 23] = modules![
     "numbers.js",
     "colours.js",
     "elements.js",
@@ -23,6 +23,9 @@ const MODULES: [(&str, &str); 20] = modules![
     "fields.js",
     "drawing.js",
     "cell-view.js",
+    "camera.js",
+    "pixels.js",
+    "space-view.js",
     "overlay-view.js",
     "player.js",
     "curves.js",

@@ -73,7 +73,7 @@ fn a_cell_of_any_profile_shortens_and_widens_as_its_material_says() {
         assert!((of("volume_change") + 0.32).abs() < 0.006, "{}", of("volume_change"));
         assert!((of("top_shortening") - of("bottom_shortening")).abs() < 1e-6);
         let [first, last] = [0, outcome.recording.frames.len() - 1]
-            .map(|at| outcome.recording.in_space[at].clone());
+            .map(|at| outcome.recording.in_space[at].positions.clone());
         assert_eq!(first, simulation.thick.as_ref().unwrap().mesh.points);
         assert_eq!(last[0].len(), first[0].len());
         let area = value(&beat.shape, "area_change");

@@ -53,6 +53,7 @@ impl Cell {
             run_file: NASTY,
             citations: "",
             picture: None,
+            thick: None,
         }
     }
 }

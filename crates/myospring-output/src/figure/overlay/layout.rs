@@ -9,6 +9,7 @@ use super::super::{Figure, FigureError};
 use super::histogram::draw_histogram;
 use super::panel::{Panel, View};
 use super::{CHOSEN, FIBRE, OTHER, Overlay, STAND_IN};
+use crate::digits::point;
 use crate::field::FieldError;
 
 /// Space around the panels and between them, px.
@@ -119,18 +120,19 @@ fn check(overlay: &Overlay<'_>) -> Result<(), FigureError> {
         for (node, &[x, y]) in cell.rings.iter().flat_map(|ring| ring.iter()).enumerate() {
             if !(x.is_finite() && y.is_finite()) {
                 let what = format!("the outline of cell \"{}\"", cell.name);
-                return Err(FigureError::NotFinite { what, node, x, y });
+                return Err(FigureError::NotFinite { what, node, at: point(&[x, y]) });
             }
         }
     }
     for (node, tick) in overlay.fibres.iter().enumerate() {
         let ([x, y], [along_x, along_y]) = (tick.point_um, tick.direction);
         if !(x.is_finite() && y.is_finite()) {
-            return Err(FigureError::NotFinite { what: "the fibre field".to_owned(), node, x, y });
+            let (what, at) = ("the fibre field".to_owned(), point(&[x, y]));
+            return Err(FigureError::NotFinite { what, node, at });
         }
         let length = along_x.hypot(along_y);
         if !(length.is_finite() && length > 0.0) {
-            return Err(FieldError::Fibre { x: along_x, y: along_y }.into());
+            return Err(FieldError::Fibre { direction: point(&tick.direction) }.into());
         }
     }
     overlay.mesh.map_or(Ok(()), check_mesh)

@@ -90,5 +90,6 @@ fn on_page<'a>(side: &'a Side, shown: &'a Shown, owned: &'a Owned, inputs: &Inpu
         run_file: &owned.run_file,
         citations: &owned.citations,
         picture: None,
+        thick: None,
     }
 }

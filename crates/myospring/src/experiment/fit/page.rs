@@ -52,6 +52,7 @@ pub(super) fn html(
         run_file,
         citations: &citations,
         picture: None,
+        thick: None,
     };
     let runs = Runs { runs: vec![shown], differences: &[] };
     let start = outcome.stimulus_times_ms.first().copied().unwrap_or_default();

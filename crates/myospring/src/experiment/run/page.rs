@@ -102,6 +102,7 @@ fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
             values: cells.plane.values(),
             pixel_size: cells.pixel_size,
         }),
+        thick: None,
     }
 }
 

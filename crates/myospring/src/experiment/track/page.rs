@@ -33,6 +33,7 @@ pub(super) fn html(
         outline: &shaped.outline,
         picture,
         peak_ms: report.rows[report.headline.at].t_ms,
+        thick: None,
     };
     let beat = BeatingCells {
         colour: Field::default(),
