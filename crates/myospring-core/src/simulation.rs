@@ -59,6 +59,7 @@ pub use pace::Pace;
 pub use quasi_static::PreparedPath;
 pub use ready::{Motion, Ready};
 pub use shared::SharedPath;
+pub use space::InSpace;
 pub use stop::{SetupError, StopReason};
 pub use strain::MOST_STRAIN;
 pub use train::Train;

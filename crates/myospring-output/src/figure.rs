@@ -85,7 +85,7 @@ pub use members::{
     Distribution, MemberResponse, Numbers, QUANTILES, ResponseMap, Scatter, TraceBand,
     distributions, response_map, responses, scatter, trace_bands,
 };
-pub use moments::{Shape, key_shapes, moments};
+pub use moments::{Shape, key_shapes, key_shapes_in_space, moments};
 pub use overlay::{Contour, Overlay, Sarcomeres, Tick, overlay};
 pub use overview::overview;
 pub use ranking::{Bar, Ranking, rankings};

@@ -318,16 +318,12 @@ impl Beat {
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let Outcome { recording, stop, effort, engine, stimulus_times_ms, s2_ms } =
             &self.beaten.outcome;
-        let frames = recording.frames.iter().cloned();
-        let frames = frames.map(|frame| {
-            (frame.t_ms, frame.ta_kpa, frame.ta_by_triangle_kpa, frame.on_gel_nn, frame.positions)
-        });
         let state = State {
             run_file: self.file.to_toml(),
             samples: recording.samples.clone(),
             signals: recording.signals.clone(),
-            frames: frames.collect(),
-            in_space: recording.in_space.clone(),
+            frames: recording.frames.iter().map(shape).collect(),
+            in_space: recording.in_space.iter().map(shape).collect(),
             stop: stop.clone(),
             effort: *effort,
             engine: engine.clone(),
@@ -347,15 +343,6 @@ impl Beat {
         let file =
             RunFile::from_text(&state.run_file).map_err(|error| errors::of_settings(py, &error))?;
         let (run, made) = make(py, &cell.0, &file)?;
-        let frames = state.frames.into_iter().map(
-            |(t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, positions)| Frame {
-                t_ms,
-                ta_kpa,
-                ta_by_triangle_kpa,
-                on_gel_nn,
-                positions,
-            },
-        );
         let recording = Recording {
             samples: state.samples,
             frames: frames.collect(),
@@ -416,16 +403,25 @@ impl myospring::experiment::Outcome for Saved<'_> {
 }
 
 /// Time, tension, tension by triangle, forces on a gel, positions.
-type Shape = (f64, f64, Option<Vec<f64>>, Option<[Vec<f64>; 2]>, [Vec<f64>; 2]);
+type Shape<const D: usize> = (f64, f64, Option<Vec<f64>>, Option<[Vec<f64>; D]>, [Vec<f64>; D]);
+
+fn shape<const D: usize>(frame: &Frame<D>) -> Shape<D> {
+    let Frame { t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, positions } = frame.clone();
+    (t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, positions)
+}
+
+fn frame<const D: usize>(shape: Shape<D>) -> Frame<D> {
+    let (t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, positions) = shape;
+    Frame { t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, positions }
+}
 
 #[derive(Serialize, Deserialize)]
 struct State {
     run_file: String,
     samples: Vec<Sample>,
     signals: Vec<Signal>,
-    frames: Vec<Shape>,
-    #[serde(default)]
-    in_space: Vec<[Vec<f64>; 3]>,
+    frames: Vec<Shape<2>>,
+    in_space: Vec<Shape<3>>,
     stop: Option<StopReason>,
     effort: Effort,
     engine: Option<EngineUsed>,

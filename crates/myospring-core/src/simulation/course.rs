@@ -160,11 +160,11 @@ where
     ) -> Shown {
         let (simulation, positions) = (&self.simulation, shaping.positions());
         let on_gel = self.on_gel(shaping);
-        let in_space = simulation.in_space(&positions).map(|positions| Frame {
+        let in_space = simulation.with_three_axes(&positions).map(|positions| Frame {
             t_ms: time,
             ta_kpa: tension,
             ta_by_triangle_kpa: by_element.map(<[f64]>::to_vec),
-            on_gel_nn: on_gel.as_ref().and_then(|pulls| simulation.in_space(pulls)),
+            on_gel_nn: on_gel.as_ref().and_then(|pulls| simulation.with_three_axes(pulls)),
             positions,
         });
         let frame = Frame {

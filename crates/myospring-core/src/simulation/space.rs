@@ -47,7 +47,7 @@ pub(super) trait Space<const D: usize, const N: usize> {
     fn added_from_above(&self, forces: Vectors<D>) -> Vectors;
 
     /// Vectors with three axes, if there are so many.
-    fn in_space(&self, vectors: &Vectors<D>) -> Option<Vectors<3>>;
+    fn with_three_axes(&self, vectors: &Vectors<D>) -> Option<Vectors<3>>;
 
     /// What moves a body by the engine of the settings.
     fn moved<'a>(
@@ -99,7 +99,7 @@ impl Space<2, 3> for Simulation {
         forces
     }
 
-    fn in_space(&self, _vectors: &Vectors) -> Option<Vectors<3>> {
+    fn with_three_axes(&self, _vectors: &Vectors) -> Option<Vectors<3>> {
         None
     }
 
@@ -119,7 +119,27 @@ impl Space<2, 3> for Simulation {
     }
 }
 
+/// What the tetrahedra of a thick cell have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InSpace {
+    /// Direction of the fibres in each, unit vectors.
+    pub fibres: Vec<[f64; 3]>,
+    /// Content of myofibrils in each relative to that of the cell; `None` is 1 everywhere.
+    pub myofibril_content: Option<Vec<f64>>,
+}
+
 impl Simulation {
+    /// What the tetrahedra of a thick cell have; `None` of a flat one.
+    pub fn in_space(&self) -> Option<InSpace> {
+        self.thick.as_ref()?;
+        let content = self.myofibril_content.as_deref();
+        Some(InSpace {
+            fibres: Space::<3, 4>::directions(self).into_owned(),
+            myofibril_content: content
+                .map(|content| Space::<3, 4>::by_simplex(self, content).into_owned()),
+        })
+    }
+
     /// The thickness of a cell that is known to have one.
     fn thick(&self) -> &Arc<Thick> {
         self.thick.as_ref().unwrap_or_else(|| unreachable!("a flat cell has two axes"))
@@ -205,7 +225,7 @@ impl Space<3, 4> for Simulation {
         [0, 1].map(|axis| columns.iter().map(|column| sum(axis, column)).collect())
     }
 
-    fn in_space(&self, vectors: &Vectors<3>) -> Option<Vectors<3>> {
+    fn with_three_axes(&self, vectors: &Vectors<3>) -> Option<Vectors<3>> {
         Some(vectors.clone())
     }
 

@@ -66,6 +66,27 @@ pub fn key_shapes<'a>(recording: &'a Recording, stimulus_times_ms: &[f64]) -> Ve
         .collect()
 }
 
+/// A thick cell in space at rest and at its peak, of the shapes of [`key_shapes`]; empty of a flat cell.
+///
+/// # Example
+/// ```
+/// use myospring::output::figure::key_shapes_in_space;
+/// use myospring::recording::Recording;
+/// assert!(key_shapes_in_space(&Recording::default(), &[50.0]).is_empty());
+/// ```
+pub fn key_shapes_in_space<'a>(
+    recording: &'a Recording,
+    stimulus_times_ms: &[f64],
+) -> Vec<Shape<'a, 3>> {
+    let shapes = key_shapes(recording, stimulus_times_ms).into_iter();
+    let two = shapes.filter(|shape| !["contracting", "relaxing"].contains(&&*shape.name));
+    two.filter_map(|Shape { name, frame, shortening_pct }| {
+        let frame = recording.in_space.iter().find(|other| other.t_ms == frame.t_ms)?;
+        Some(Shape { name, frame, shortening_pct })
+    })
+    .collect()
+}
+
 /// The characteristic places of a beat, in order, by its progress from rest: `at rest` (the first), `contracting` and
 /// `relaxing` (nearest half of the peak before and after it) and `peak`, or `end of record` if that is the last.
 ///

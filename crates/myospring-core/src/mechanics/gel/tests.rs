@@ -273,8 +273,7 @@ fn pressure_on_a_layer_sinks_as_its_closed_forms_say() {
     }
     // Waves of pressure, whose middle is not reached by the rim.
     let shape = [121, 121];
-    let places: Vec<[u32; 2]> =
-        (0..121 * 121).map(|at| [at % 121, at / 121]).collect();
+    let places: Vec<[u32; 2]> = (0..121 * 121).map(|at| [at % 121, at / 121]).collect();
     for (poisson, thickness) in [(0.49, 4.0), (0.2, 4.0), (0.45, 12.0)] {
         let gel = Gel { poisson, thickness: Some(thickness), ..Gel::half_space(6.0) };
         let normal = Convolution::normal(&Green::new(gel, 1.0), 1.0, shape);

@@ -4,7 +4,8 @@ use super::finished::Finished;
 use crate::analysis::bands::{Band, band};
 use crate::experiment::overlay::{self, Lattice};
 use crate::experiment::{Draw, ExperimentError, Folder};
-use crate::output::figure::{self, ContractionOptions, FigureError};
+use crate::output::field::Fields;
+use crate::output::figure::{self, ContractionOptions, DrawnThickCell, FigureError};
 
 /// Writes the figures of a run.
 pub(in crate::experiment) fn write(
@@ -41,10 +42,22 @@ pub(in crate::experiment) fn write(
         let lattice = Some(Lattice { mesh, fibres });
         overlay::draw(name, cells, &[cell], lattice, &numbers.summary.warnings)
     };
-    let all: [(bool, (&str, Draw<'_>)); 8] = [
+    let in_space = || {
+        let (thick, cell) = simulation
+            .thick
+            .as_ref()
+            .zip(simulation.in_space())
+            .ok_or(FigureError::Nothing { what: "thick cells" })?;
+        let content = cell.myofibril_content.as_deref();
+        let fields = Fields::new(&thick.mesh, &cell.fibres, content)?;
+        let drawn = DrawnThickCell::new(fields, simulation.long_axis)?;
+        figure::thick_cell(&drawn, &figure::key_shapes_in_space(recording, stimuli))
+    };
+    let all: [(bool, (&str, Draw<'_>)); 9] = [
         (picture.is_some(), ("overlay", &overlay)),
         (true, ("overview", &|| figure::overview(cell()?, recording, stimuli))),
         (true, ("cell", &|| figure::cell_shapes(cell()?, &figure::key_shapes(recording, stimuli)))),
+        (simulation.thick.is_some(), ("in_space", &in_space)),
         (true, ("mesh", &|| figure::mesh(mesh))),
         (
             true,

@@ -195,9 +195,21 @@ fn size(bytes: u64) -> String {
 /// The frames for ParaView; the collection comes last, so that it names files that are there.
 fn vtu(folder: &Folder, finished: &Finished<'_>) -> Result<(), ExperimentError> {
     let Finished { simulation, outcome, .. } = finished;
+    let recording = &outcome.recording;
+    if let (Some(thick), Some(cell)) = (&simulation.thick, simulation.in_space()) {
+        let content = cell.myofibril_content.as_deref();
+        let frames = vtu::Frames::new(&thick.mesh, &recording.in_space, &cell.fibres, content)?;
+        return write_frames(folder, &frames);
+    }
     let (mesh, fibres) = (&simulation.mesh, &simulation.fibres);
     let content = simulation.myofibril_content.as_deref();
-    let frames = vtu::Frames::new(mesh, &outcome.recording.frames, fibres, content)?;
+    write_frames(folder, &vtu::Frames::new(mesh, &recording.frames, fibres, content)?)
+}
+
+fn write_frames<const D: usize, const N: usize>(
+    folder: &Folder,
+    frames: &vtu::Frames<'_, D, N>,
+) -> Result<(), ExperimentError> {
     let within = "vtu";
     (0..frames.len()).into_par_iter().try_for_each(|index| {
         folder.write(&format!("{within}/{}", frames.name(index)), frames.frame(index))

@@ -4,9 +4,11 @@ use super::finished::Finished;
 use super::record::resolved;
 use crate::experiment::{ExperimentError, Folder, Inputs, citations};
 use crate::output::page::{
-    self, Page, PageError, PageRun, ParameterGroup, ParameterRow, Photograph, Runs,
+    self, Page, PageError, PageRun, ParameterGroup, ParameterRow, Photograph, Runs, ThickCell,
 };
+use crate::recording::Recording;
 use crate::settings::{self, Run, Value};
+use crate::simulation::{InSpace, Simulation};
 
 /// Name of the file.
 pub const FILE: &str = "report.html";
@@ -40,11 +42,13 @@ pub(super) fn of(
     Ok(make(&page)?)
 }
 
-/// Text of a run that its page borrows.
+/// What the page of a run borrows.
 struct Texts {
     label: String,
     run_file: String,
     citations: String,
+    /// What the tetrahedra of a thick cell have.
+    in_space: Option<InSpace>,
 }
 
 impl Texts {
@@ -55,8 +59,25 @@ impl Texts {
             label: run.strength(),
             run_file: resolved(run, (inputs, ""), simulation, spacing, outcome.effort.time_step()),
             citations: citations::bibtex(&*run.cell),
+            in_space: simulation.in_space(),
         }
     }
+}
+
+/// A thick cell as its page shows it in space.
+pub(in crate::experiment) fn thick_cell<'a>(
+    simulation: &'a Simulation,
+    recording: &'a Recording,
+    in_space: Option<&'a InSpace>,
+) -> Option<ThickCell<'a>> {
+    let (thick, InSpace { fibres, myofibril_content }) = simulation.thick.as_ref().zip(in_space)?;
+    Some(ThickCell {
+        mesh: &thick.mesh,
+        frames: &recording.in_space,
+        fibres,
+        myofibril_content: myofibril_content.as_deref(),
+        long_axis: simulation.long_axis,
+    })
 }
 
 /// What was run, a few words each.
@@ -102,7 +123,7 @@ fn on_page<'a>(finished: &'a Finished<'_>, texts: &'a Texts) -> PageRun<'a> {
             values: cells.plane.values(),
             pixel_size: cells.pixel_size,
         }),
-        thick: None,
+        thick: thick_cell(simulation, &outcome.recording, texts.in_space.as_ref()),
     }
 }
 
