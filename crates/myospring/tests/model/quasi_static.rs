@@ -13,7 +13,7 @@ use myospring::mechanics::stability::StabilityLimit;
 use myospring::mechanics::support::{Support, SupportKind};
 use myospring::mechanics::{Body, Configuration, Force, System, Vectors};
 use myospring::mesh::outline::Outline;
-use myospring::mesh::{Mesh, built_in, lattice, quality};
+use myospring::mesh::{Mesh, Place, built_in, lattice, quality};
 use myospring::simulation::{Effort, Outcome, SetupError, Simulation, StopReason};
 use std::f64::consts::{PI, TAU};
 
@@ -205,7 +205,7 @@ fn a_clamped_strip_that_is_pushed_buckles_at_eulers_load() {
         let error = path.extend(-20.0).unwrap_err();
         let PathError::Unstable { tension, beyond, place } = error else { panic!("{error}") };
         // Both ends are held, so the middle gives way.
-        let WeakPlace { x, .. } = place.unwrap();
+        let WeakPlace { place: Place { x, .. }, .. } = place.unwrap();
         assert!((x - 50.0).abs() < 5.0, "x = {x} um of 100 um");
         let euler = 308.0 * PI * PI / 3.0 * (rows as f64 / 90.0).powi(2);
         assert!((-tension / euler - 1.0).abs() < 0.07, "{tension} kPa, Euler {euler}");

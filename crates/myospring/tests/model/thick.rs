@@ -12,7 +12,6 @@ use myospring::mesh::outline::Outline;
 use myospring::mesh::profile::Profile;
 use myospring::mesh::thick::{self, Form};
 use myospring::recording::{LENGTH_BOTTOM, LENGTH_TOP, THICKNESS, VOLUME};
-use myospring::simulation::equilibria::TensionResponse;
 use myospring::simulation::{Outcome, Simulation};
 use std::sync::Arc;
 
