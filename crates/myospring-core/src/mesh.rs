@@ -7,8 +7,8 @@
 //! In reading order: an [`outline::Outline`] (polygon) or a [`mask::Mask`] (pixels) says where the
 //! cell is; [`lattice`] fills it with squares and turns them into masses, springs and triangles;
 //! [`quality`] measures and reports; [`built_in`] has ready-made cells; [`simplex`] has the
-//! geometry of one triangle or tetrahedron; [`carried`] points move with the mesh, such as the
-//! outline in figures.
+//! geometry of one triangle or tetrahedron; [`voxels`] say where a thick cell is; [`carried`] points
+//! move with the mesh, such as the outline in figures.
 //!
 //! Lengths are micrometres, x to the right and **y upward**. Pictures have row 0 on top; their rows
 //! are flipped when they are read, so that a cell has the same orientation as in the picture.
@@ -25,6 +25,7 @@ pub mod pixel_size;
 pub mod quality;
 mod selection;
 pub mod simplex;
+pub mod voxels;
 
 /// Direction class of a lattice spring; it determines its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
