@@ -1,0 +1,367 @@
+//! One cell of a fluorescence stack.
+
+use super::depth::{Attenuation, backgrounds};
+use super::error::{MOST_VOXELS, StackError};
+use super::labels::upward;
+use super::options::Stain;
+use super::report::StackReport;
+use super::shape::Shape;
+use super::surface;
+use super::volume::Volume;
+use super::{Scale, Stack, StackOptions, load};
+use crate::filter::{self, quantile};
+use crate::plane::Plane;
+use crate::region::Region;
+use crate::segment::{
+    Confidence, Modality, Segmentation, SegmentationSettings, check_settings, segment,
+};
+use myospring_core::interruption::Interruption;
+use myospring_core::mesh::pixel_size::PixelSize;
+use myospring_core::mesh::voxels::{Block, DroppedParts, Voxels};
+
+/// Finer pixels than this are averaged, um: half the scale of smoothing.
+const PIXEL_UM: f64 = 0.25;
+/// Default standard deviation of smoothing, um.
+const SMOOTH_UM: f64 = 0.5;
+/// Largest number of layers between two slices.
+const MOST_PARTS: f64 = 8.0;
+/// How far the cell may reach beyond its outline from above, um.
+const BEYOND_UM: f64 = 2.0;
+/// Distances from the cell between which the background is measured, um.
+const AROUND_UM: [f64; 2] = [3.0, 25.0];
+/// Radius by which gaps are closed, um: as in pictures.
+const CLOSING_UM: f64 = 1.5;
+/// Parts smaller than this are specks, um^3: a ball of 1.5 um across.
+const SPECK_UM3: f64 = 1.8;
+/// Part of the brightness above the background at which the surface lies, and at which the search
+/// for it begins, so that dim depths are not missed.
+const HALF: f32 = 0.5;
+const BEGIN: f32 = 0.3;
+/// Rim of the outline from above whose columns do not count for brightness, um.
+const RIM_UM: f64 = 1.0;
+/// Scale over which the brightness of columns is averaged, um.
+const EVEN_UM: f64 = 4.0;
+/// Rounds in which attenuation and shape are improved.
+const ROUNDS: usize = 3;
+
+/// The cell that was chosen, and what is known of it.
+pub(super) fn cell(
+    stack: &Stack,
+    scale: Scale,
+    options: &StackOptions,
+) -> Result<(Voxels, StackReport), StackError> {
+    let settings = &options.segmentation;
+    check_settings(settings)?;
+    let interruption = &settings.interruption;
+    let factor = ((PIXEL_UM / scale.pixel_size.um()) as usize).max(1);
+    let (volume, notes) = load::volume(stack, scale, factor, interruption)?;
+    let smooth_um = settings.smooth_um.unwrap_or(SMOOTH_UM);
+    let volume = volume.smoothed(smooth_um);
+    interruption.check()?;
+    let above = Above::find(&volume, stack, factor, scale, options)?;
+    let backgrounds = backgrounds(&volume, &above.around);
+    let view = View::new(&volume, &above, backgrounds);
+    drop(volume);
+    let found = view.find(options, smooth_um)?;
+    let mut report = StackReport::new(scale, Modality::Fluorescence);
+    report.stain = Some(found.stain);
+    report.threshold = Some(found.threshold);
+    report.cells = above.cells;
+    report.blur = Some(found.blur);
+    report.attenuation_um = found.attenuation.length_um(scale.z_step_um);
+    report.moved_inward_um = found.moved_inward_um;
+    report.dropped = found.dropped;
+    report.confidence = above.confidence.clone();
+    report.notes = notes;
+    report.notes.extend(found.notes);
+    let voxels = spread(&found.shape, &above, stack, scale, factor, options)?;
+    Ok((voxels, report))
+}
+
+/// The shape on the pixels of the file, y and z upward.
+fn spread(
+    shape: &Shape,
+    above: &Above,
+    stack: &Stack,
+    scale: Scale,
+    factor: usize,
+    options: &StackOptions,
+) -> Result<Voxels, StackError> {
+    let [width, height] = stack.size();
+    let parts = shape.size[2] / stack.slices();
+    let first = above.from.map(|at| at * factor);
+    let size = [
+        (above.to[0] * factor).min(width) - first[0],
+        (above.to[1] * factor).min(height) - first[1],
+        shape.size[2],
+    ];
+    let mut inside = Vec::with_capacity(size.iter().product());
+    for z in 0..size[2] {
+        for y in 0..size[1] {
+            let row = &shape.inside[(z * shape.size[1] + y / factor) * shape.size[0]..];
+            inside.extend((0..size[0]).map(|x| row[x / factor]));
+        }
+    }
+    let block = Block { first: [first[0], first[1], 0], size, inside };
+    let block = upward(block, size[2], height, options.first_slice);
+    let side = scale.pixel_size.um();
+    let pitch = [side, side, scale.z_step_um / parts as f64];
+    Ok(Voxels::of_block([width, height, size[2]], pitch, block)?)
+}
+
+/// The cell seen from above, on the grid of the volume.
+struct Above {
+    /// First column and row of the window around the cell, and those behind the last.
+    from: [usize; 2],
+    to: [usize; 2],
+    /// Columns of the window that are the cell, and in which it may lie.
+    cell: Region,
+    allowed: Region,
+    /// All columns around the cell that show the background.
+    around: Vec<bool>,
+    cells: usize,
+    confidence: Confidence,
+}
+
+impl Above {
+    /// Finds the cells in the largest brightness over all slices, and takes the chosen one.
+    fn find(
+        volume: &Volume<f32>,
+        stack: &Stack,
+        factor: usize,
+        scale: Scale,
+        options: &StackOptions,
+    ) -> Result<Self, StackError> {
+        let [width, height, _] = volume.size;
+        let Some(plane) = Plane::new(width, height, volume.from_above()) else {
+            return Err(StackError::TooFew { slices: 0 });
+        };
+        let pixel = volume.pitch[0];
+        let settings = SegmentationSettings {
+            modality: Modality::Fluorescence,
+            ..options.segmentation.clone()
+        };
+        let pixel_size = PixelSize::new(pixel).unwrap_or(scale.pixel_size);
+        let found = segment(&plane, pixel_size, &settings)?;
+        // Places are chosen on the pixels of the file.
+        let [columns, rows] = stack.size();
+        let numbers = (0..columns * rows)
+            .map(|at| found.numbers[at / columns / factor * width + at % columns / factor]);
+        let numbers: Vec<u32> = numbers.collect();
+        let whole = Segmentation {
+            width: columns,
+            height: rows,
+            pixel_size: scale.pixel_size,
+            numbers,
+            ..found.clone()
+        };
+        let chosen = whole.choose(options.choice, options.allow_cut)?;
+        let own = |number: &u32| *number == chosen.number;
+        let cell = Region::new(width, height, found.numbers.iter().map(own));
+        let others = found.numbers.iter().map(|number| *number != 0 && !own(number));
+        let others = Region::new(width, height, others);
+        let all = Region::new(width, height, found.numbers.iter().map(|&number| number != 0));
+        let [near, far] = AROUND_UM.map(|um| um / pixel);
+        let (near, far) = (all.grown(near), cell.grown(far));
+        let mut around: Vec<bool> =
+            near.inside().zip(far.inside()).map(|(near, far)| far && !near).collect();
+        if around.iter().filter(|&&is| is).count() * 4 < cell.count() {
+            around = near.inside().map(|near| !near).collect();
+        }
+        let window = cell.window((AROUND_UM[0] / pixel).ceil() as usize, 1);
+        let reach = cell.grown(BEYOND_UM / pixel);
+        let allowed =
+            Region::new(width, height, reach.inside().zip(others.inside()).map(|(a, b)| a && !b));
+        Ok(Self {
+            from: [window.columns.start, window.rows.start],
+            to: [window.columns.end, window.rows.end],
+            cell: cell.cut(&window),
+            allowed: allowed.cut(&window),
+            around,
+            cells: found.cells.len(),
+            confidence: chosen.confidence.clone(),
+        })
+    }
+}
+
+/// The stack around the cell.
+struct View<'a> {
+    above: &'a Above,
+    /// Grey values above the background of their slice.
+    lifted: Volume<f32>,
+    backgrounds: Vec<f32>,
+}
+
+/// The cell's voxels, on the grid of the window with layers between slices.
+struct Found {
+    shape: Shape,
+    stain: Stain,
+    threshold: f64,
+    attenuation: Attenuation,
+    blur: super::report::Blur,
+    moved_inward_um: Option<[f64; 2]>,
+    dropped: DroppedParts,
+    notes: Vec<String>,
+}
+
+impl<'a> View<'a> {
+    fn new(volume: &Volume<f32>, above: &'a Above, backgrounds: Vec<f32>) -> Self {
+        let mut lifted = volume.cropped(above.from, above.to);
+        let layer = lifted.layer();
+        for (slice, ground) in lifted.values.chunks_exact_mut(layer).zip(&backgrounds) {
+            for value in slice {
+                *value -= ground;
+            }
+        }
+        Self { above, lifted, backgrounds }
+    }
+
+    fn find(&self, options: &StackOptions, smooth_um: f64) -> Result<Found, StackError> {
+        let settings = &options.segmentation;
+        let interruption = &settings.interruption;
+        let begin = self.relative(&self.lifted, BEGIN);
+        let mut shape = tidied(self.shape(&begin), interruption)?;
+        let (seen, ratio) = surface::stain(&self.lifted, &shape);
+        let stain = if options.stain == Stain::Auto { seen } else { options.stain };
+        let membrane = stain == Stain::Membrane;
+        let mut attenuation = Attenuation::NONE;
+        let mut even = self.lifted.clone();
+        for _ in 0..ROUNDS {
+            let before = attenuation;
+            attenuation = Attenuation::of(&self.lifted, &shape, membrane);
+            even = self.evened(attenuation);
+            shape = tidied(self.shape(&self.relative(&even, HALF)), interruption)?;
+            if attenuation == before {
+                break;
+            }
+        }
+        let bright = quantile(&self.columns(&even), 0.5);
+        let relative = self.relative(&even, HALF);
+        let half = f64::from(quantile(&self.backgrounds, 0.5) + HALF * bright);
+        let threshold = settings.threshold.unwrap_or(half);
+        let parts = self.parts()?;
+        let fine = match settings.threshold {
+            None => relative.finer(parts),
+            Some(threshold) => self.over(threshold as f32).finer(parts),
+        };
+        let fine_shape = tidied(self.shape(&fine), interruption)?;
+        let blur = surface::blur(&relative, &shape, stain, smooth_um);
+        let layers = surface::brightest_layer(&even.finer(parts), &fine_shape);
+        let moved_inward_um = membrane.then_some(layers);
+        let moved = match moved_inward_um {
+            Some(layers) => surface::moved_inward(fine_shape, layers),
+            None => fine_shape.opened(smooth_um),
+        };
+        let (shape, parts, voxels) = moved.largest();
+        if shape.count() == 0 {
+            return Err(StackError::NothingInDepth { threshold });
+        }
+        let mut notes = Vec::new();
+        if options.stain == Stain::Auto {
+            let what = if membrane { "only its membrane" } else { "its inside" };
+            notes.push(format!(
+                "{what} was taken as bright: its sides are {ratio:.1} times as bright as its inside; if that is wrong, give \
+                 --stack-stain {}",
+                if membrane { "filled" } else { "membrane" }
+            ));
+        }
+        let dropped = DroppedParts { parts, voxels };
+        Ok(Found { shape, stain, threshold, attenuation, blur, moved_inward_um, dropped, notes })
+    }
+
+    /// Number of layers for each slice: as thick as pixels are wide, if that fits.
+    fn parts(&self) -> Result<usize, StackError> {
+        let [x, _, z] = self.lifted.pitch;
+        let parts = (z / x.max(PIXEL_UM)).round().clamp(1.0, MOST_PARTS) as usize;
+        let most = MOST_VOXELS / 4 / self.lifted.values.len().max(1);
+        if most == 0 {
+            return Err(StackError::TooLarge { voxels: self.lifted.values.len() as f64 });
+        }
+        Ok(parts.min(most))
+    }
+
+    /// Brightness with the attenuation divided out.
+    fn evened(&self, attenuation: Attenuation) -> Volume<f32> {
+        let mut even = self.lifted.clone();
+        let layer = even.layer();
+        for (z, slice) in even.values.chunks_exact_mut(layer).enumerate() {
+            let factor = attenuation.factor(z);
+            for value in slice {
+                *value *= factor;
+            }
+        }
+        even
+    }
+
+    /// Largest brightness of each column of the cell, without the rim of its outline.
+    fn columns(&self, even: &Volume<f32>) -> Vec<f32> {
+        let core = self.core();
+        even.from_above()
+            .into_iter()
+            .zip(core.inside())
+            .filter(|(_, is)| *is)
+            .map(|(v, _)| v)
+            .collect()
+    }
+
+    fn core(&self) -> Region {
+        let core = self.above.cell.shrunk(RIM_UM / self.lifted.pitch[0]);
+        if core.count() > 0 { core } else { self.above.cell.clone() }
+    }
+
+    /// Brightness over `part` of the largest brightness of the column, averaged over some um.
+    fn relative(&self, even: &Volume<f32>, part: f32) -> Volume<f32> {
+        let [width, height, _] = even.size;
+        let core = self.core();
+        let most = even.from_above();
+        let all = quantile(&self.columns(even), 0.5);
+        let sigma = EVEN_UM / even.pitch[0];
+        let spread = |values: Vec<f32>| {
+            Plane::new(width, height, values).map(|plane| filter::gaussian(&plane, sigma))
+        };
+        let weights: Vec<f32> = core.inside().map(|is| if is { 1.0 } else { 0.0 }).collect();
+        let sums = spread(most.iter().zip(&weights).map(|(v, w)| v * w).collect());
+        let mut relative = even.clone();
+        let Some((sums, weights)) = sums.zip(spread(weights)) else { return relative };
+        let level = |(sum, weight): (&f32, &f32)| {
+            let own = if *weight > 1e-3 { sum / weight } else { all };
+            (part * own).max(f32::MIN_POSITIVE)
+        };
+        let levels: Vec<f32> = sums.values().iter().zip(weights.values()).map(level).collect();
+        for slice in relative.values.chunks_exact_mut(width * height) {
+            for (value, level) in slice.iter_mut().zip(&levels) {
+                *value /= level;
+            }
+        }
+        relative
+    }
+
+    /// Grey values minus a threshold, plus 1, so that 1 is the threshold.
+    fn over(&self, threshold: f32) -> Volume<f32> {
+        let mut over = self.lifted.clone();
+        let layer = over.layer();
+        for (slice, ground) in over.values.chunks_exact_mut(layer).zip(&self.backgrounds) {
+            for value in slice {
+                *value += ground - threshold + 1.0;
+            }
+        }
+        over
+    }
+
+    /// The voxels above 1 in columns in which the cell may lie.
+    fn shape(&self, relative: &Volume<f32>) -> Shape {
+        let allowed: Vec<bool> = self.above.allowed.inside().collect();
+        let slices = relative.slices();
+        let inside =
+            slices.flat_map(|slice| slice.iter().zip(&allowed).map(|(&v, &is)| is && v > 1.0));
+        Shape { size: relative.size, pitch: relative.pitch, inside: inside.collect() }
+    }
+}
+
+/// The largest part of a shape without specks, gaps and holes.
+fn tidied(shape: Shape, interruption: &Interruption) -> Result<Shape, StackError> {
+    interruption.check()?;
+    let closed = shape.without_specks(SPECK_UM3).closed(CLOSING_UM);
+    interruption.check()?;
+    Ok(closed.filled().largest().0)
+}
