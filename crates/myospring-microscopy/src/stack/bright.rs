@@ -2,13 +2,13 @@
 
 use super::depth::{Attenuation, backgrounds};
 use super::error::{MOST_VOXELS, StackError};
-use super::labels::upward;
-use super::options::Stain;
-use super::report::StackReport;
+use super::load::{self, upward};
+use super::options::{StackOptions, Stain};
+use super::reading::{Scale, Stack};
+use super::report::{Blur, StackReport};
 use super::shape::Shape;
 use super::surface;
 use super::volume::Volume;
-use super::{Scale, Stack, StackOptions, load};
 use crate::filter::{self, quantile};
 use crate::plane::Plane;
 use crate::region::Region;
@@ -37,6 +37,13 @@ const SPECK_UM3: f64 = 1.8;
 /// for it begins, so that dim depths are not missed.
 const HALF: f32 = 0.5;
 const BEGIN: f32 = 0.3;
+/// Least part of the largest brightness of a column, so that stray light far from the cell is not
+/// part of it. The far membrane of a thick cell can be dim, since nothing evens it.
+const LEAST: f32 = 0.25;
+const LEAST_OF_MEMBRANE: f32 = 0.12;
+/// Distance above and below a voxel within which the brightness counts of which it must have half,
+/// um: more than the blur of an optical section, less than the thickness of most cells.
+const NEAR_UM: f64 = 3.0;
 /// Rim of the outline from above whose columns do not count for brightness, um.
 const RIM_UM: f64 = 1.0;
 /// Scale over which the brightness of columns is averaged, um.
@@ -71,7 +78,7 @@ pub(super) fn cell(
     report.attenuation_um = found.attenuation.length_um(scale.z_step_um);
     report.moved_inward_um = found.moved_inward_um;
     report.dropped = found.dropped;
-    report.confidence = above.confidence.clone();
+    report.confidence = above.confidence.beside_texture();
     report.notes = notes;
     report.notes.extend(found.notes);
     let voxels = spread(&found.shape, &above, stack, scale, factor, options)?;
@@ -198,7 +205,7 @@ struct Found {
     stain: Stain,
     threshold: f64,
     attenuation: Attenuation,
-    blur: super::report::Blur,
+    blur: Blur,
     moved_inward_um: Option<[f64; 2]>,
     dropped: DroppedParts,
     notes: Vec<String>,
@@ -219,24 +226,27 @@ impl<'a> View<'a> {
     fn find(&self, options: &StackOptions, smooth_um: f64) -> Result<Found, StackError> {
         let settings = &options.segmentation;
         let interruption = &settings.interruption;
-        let begin = self.relative(&self.lifted, BEGIN);
+        let begin = self.relative(&self.lifted, 0.0, BEGIN);
         let mut shape = tidied(self.shape(&begin), interruption)?;
         let (seen, ratio) = surface::stain(&self.lifted, &shape);
         let stain = if options.stain == Stain::Auto { seen } else { options.stain };
         let membrane = stain == Stain::Membrane;
         let mut attenuation = Attenuation::NONE;
         let mut even = self.lifted.clone();
+        let least = if membrane { LEAST_OF_MEMBRANE } else { LEAST };
         for _ in 0..ROUNDS {
             let before = attenuation;
-            attenuation = Attenuation::of(&self.lifted, &shape, membrane);
+            if !membrane {
+                attenuation = Attenuation::of(&self.lifted, &shape);
+            }
             even = self.evened(attenuation);
-            shape = tidied(self.shape(&self.relative(&even, HALF)), interruption)?;
+            shape = tidied(self.shape(&self.relative(&even, HALF, least)), interruption)?;
             if attenuation == before {
                 break;
             }
         }
         let bright = quantile(&self.columns(&even), 0.5);
-        let relative = self.relative(&even, HALF);
+        let relative = self.relative(&even, HALF, least);
         let half = f64::from(quantile(&self.backgrounds, 0.5) + HALF * bright);
         let threshold = settings.threshold.unwrap_or(half);
         let parts = self.parts()?;
@@ -309,28 +319,37 @@ impl<'a> View<'a> {
         if core.count() > 0 { core } else { self.above.cell.clone() }
     }
 
-    /// Brightness over `part` of the largest brightness of the column, averaged over some um.
-    fn relative(&self, even: &Volume<f32>, part: f32) -> Volume<f32> {
+    /// Brightness over its threshold: the part `near` of the largest brightness within some um above
+    /// and below, at least the part `far` of the largest in the whole column; both are averaged
+    /// over some um in the plane.
+    fn relative(&self, even: &Volume<f32>, near: f32, far: f32) -> Volume<f32> {
         let [width, height, _] = even.size;
-        let core = self.core();
-        let most = even.from_above();
-        let all = quantile(&self.columns(even), 0.5);
+        let weights: Vec<f32> = self.core().inside().map(|is| if is { 1.0 } else { 0.0 }).collect();
         let sigma = EVEN_UM / even.pitch[0];
         let spread = |values: Vec<f32>| {
-            Plane::new(width, height, values).map(|plane| filter::gaussian(&plane, sigma))
+            let plane = Plane::new(width, height, values);
+            plane.map(|plane| filter::slow_part(&plane, sigma).values().to_vec())
         };
-        let weights: Vec<f32> = core.inside().map(|is| if is { 1.0 } else { 0.0 }).collect();
-        let sums = spread(most.iter().zip(&weights).map(|(v, w)| v * w).collect());
+        let all = quantile(&self.columns(even), 0.5);
+        let averaged = |values: &[f32], otherwise: f32| {
+            let sums = spread(values.iter().zip(&weights).map(|(v, w)| v * w).collect());
+            let means = sums
+                .unwrap_or_default()
+                .into_iter()
+                .zip(spread(weights.clone()).unwrap_or_default());
+            let mean =
+                |(sum, weight): (f32, f32)| if weight > 1e-3 { sum / weight } else { otherwise };
+            means.map(mean).collect::<Vec<f32>>()
+        };
+        let least = averaged(&even.from_above(), all);
+        let reach = (NEAR_UM / even.pitch[2]).round() as usize;
+        let largest = even.largest_near(reach);
         let mut relative = even.clone();
-        let Some((sums, weights)) = sums.zip(spread(weights)) else { return relative };
-        let level = |(sum, weight): (&f32, &f32)| {
-            let own = if *weight > 1e-3 { sum / weight } else { all };
-            (part * own).max(f32::MIN_POSITIVE)
-        };
-        let levels: Vec<f32> = sums.values().iter().zip(weights.values()).map(level).collect();
-        for slice in relative.values.chunks_exact_mut(width * height) {
-            for (value, level) in slice.iter_mut().zip(&levels) {
-                *value /= level;
+        let slices = relative.values.chunks_exact_mut(width * height);
+        for (slice, largest) in slices.zip(largest.slices()) {
+            let level = if near > 0.0 { averaged(largest, 0.0) } else { vec![0.0; least.len()] };
+            for ((value, level), least) in slice.iter_mut().zip(level).zip(&least) {
+                *value /= (near * level).max(far * least).max(f32::MIN_POSITIVE);
             }
         }
         relative

@@ -60,11 +60,10 @@ impl Attenuation {
         (self.rate != 0.0).then(|| z_step_um / self.rate.abs())
     }
 
-    /// Fits the brightness of voxels inside a shape: deep inside it if the inside is bright, at its
-    /// sides if only the membrane is. [`Attenuation::NONE`] if the brightness of slices shows no
-    /// steady change.
-    pub(super) fn of(lifted: &Volume<f32>, shape: &Shape, membrane: bool) -> Self {
-        let used = if membrane { sides(shape) } else { shape.shrunk(BELOW_UM).inside };
+    /// Fits the brightness of voxels deep inside a shape; [`Attenuation::NONE`] if it shows no steady
+    /// change.
+    pub(super) fn of(lifted: &Volume<f32>, shape: &Shape) -> Self {
+        let used = shape.shrunk(BELOW_UM).inside;
         let layer = lifted.layer();
         let counts: Vec<usize> = used
             .chunks_exact(layer)
@@ -83,19 +82,6 @@ impl Attenuation {
         }
         fitted(&points).unwrap_or(Self::NONE)
     }
-}
-
-/// The voxels within a short distance of the sides of a shape, in slices that are not much smaller
-/// than the largest.
-fn sides(shape: &Shape) -> Vec<bool> {
-    let depths = shape.depths([shape.pitch[0], shape.pitch[1], f64::INFINITY]);
-    let counts = shape.by_slice();
-    let most = counts.iter().copied().max().unwrap_or(0);
-    let layer = shape.size[0] * shape.size[1];
-    let side = |(at, &depth): (usize, &f32)| {
-        depth > 0.0 && f64::from(depth) < BELOW_UM && 5 * counts[at / layer] >= 3 * most
-    };
-    depths.iter().enumerate().map(side).collect()
 }
 
 /// The least-squares line, if its slope is certain.

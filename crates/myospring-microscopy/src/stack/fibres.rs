@@ -1,7 +1,8 @@
 //! The direction of the myofibrils in each slice, and how it turns from the lowest to the highest.
 
-use super::options::FirstSlice;
-use super::{Stack, StackError, StackOptions};
+use super::error::StackError;
+use super::options::{FirstSlice, StackOptions};
+use super::reading::Stack;
 use crate::fibres::{FibreField, FibreSettings, fibres_interruptible};
 use myospring_core::mesh::voxels::Voxels;
 use serde::Serialize;

@@ -1,9 +1,10 @@
 //! One cell of a mask or a label stack, voxel by voxel.
 
 use super::error::{MOST_VOXELS, StackError};
-use super::options::FirstSlice;
+use super::load::upward;
+use super::options::StackOptions;
+use super::reading::{Scale, Stack};
 use super::report::StackReport;
-use super::{Scale, Stack, StackOptions};
 use crate::plane::Plane;
 use crate::segment::{
     Confidence, LARGEST_LABEL, Modality, SegmentError, Segmentation, SegmentedCell, has_flat_labels,
@@ -65,21 +66,6 @@ pub(super) fn cell(
     report.dropped = dropped;
     report.cells = found.len();
     Ok((voxels, report))
-}
-
-/// A block of rows from the top of a picture of `height` rows and slices in the order of the file,
-/// turned so that y and z run upward.
-pub(super) fn upward(block: Block, slices: usize, height: usize, first_slice: FirstSlice) -> Block {
-    let Block { first: [left, top, low], size, inside } = block;
-    let [columns, rows, layers] = size;
-    let turned = first_slice == FirstSlice::Top;
-    let order = |z: usize| if turned { layers - 1 - z } else { z };
-    let lines = (0..layers).flat_map(|z| (0..rows).map(move |y| order(z) * rows + rows - 1 - y));
-    let line = |at: usize| inside[at * columns..][..columns].iter().copied();
-    let upward = lines.flat_map(line).collect();
-    let bottom = height - top - rows;
-    let low = if turned { slices - low - layers } else { low };
-    Block { first: [left, bottom, low], size, inside: upward }
 }
 
 /// A value as a mark; 0 is the background.

@@ -1,11 +1,13 @@
-//! Reads the slices of a stack into memory.
+//! Slices to volumes in memory, and back to voxels that run upward.
 
 use super::error::{MOST_VOXELS, StackError};
+use super::options::FirstSlice;
+use super::reading::{Scale, Stack};
 use super::volume::Volume;
-use super::{Scale, Stack};
 use crate::segment::{SegmentationSettings, is_taken_for_mask};
 use crate::{filter, hot_pixels};
 use myospring_core::interruption::Interruption;
+use myospring_core::mesh::voxels::Block;
 
 /// Whether the slices are those of a mask: each is one, or empty.
 pub(super) fn is_mask(stack: &Stack) -> Result<bool, StackError> {
@@ -53,4 +55,19 @@ pub(super) fn volume(
     let side = scale.pixel_size.um() * factor as f64;
     let pitch = [side, side, scale.z_step_um];
     Ok((Volume { size, pitch, values }, notes.into_iter().collect()))
+}
+
+/// A block of rows from the top of a picture of `height` rows and slices in the order of the file,
+/// turned so that y and z run upward.
+pub(super) fn upward(block: Block, slices: usize, height: usize, first_slice: FirstSlice) -> Block {
+    let Block { first: [left, top, low], size, inside } = block;
+    let [columns, rows, layers] = size;
+    let turned = first_slice == FirstSlice::Top;
+    let order = |z: usize| if turned { layers - 1 - z } else { z };
+    let lines = (0..layers).flat_map(|z| (0..rows).map(move |y| order(z) * rows + rows - 1 - y));
+    let line = |at: usize| inside[at * columns..][..columns].iter().copied();
+    let upward = lines.flat_map(line).collect();
+    let bottom = height - top - rows;
+    let low = if turned { slices - low - layers } else { low };
+    Block { first: [left, bottom, low], size, inside: upward }
 }

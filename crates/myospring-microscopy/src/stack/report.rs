@@ -1,7 +1,7 @@
 //! What was found in a stack, in numbers and in words.
 
-use super::Scale;
 use super::options::{FirstSlice, StackOptions, Stain};
+use super::reading::Scale;
 use crate::segment::{Confidence, Modality};
 use myospring_core::mesh::voxels::{DroppedParts, Touched, Voxels};
 use serde::Serialize;
@@ -10,6 +10,12 @@ use serde::Serialize;
 const FEW_SLICES: usize = 5;
 /// Thicknesses of heart cells, um: flat hiPSC cardiomyocytes have 2 to 5, adult cells 8 to 25.
 const USUAL_THICKNESSES_UM: [f64; 2] = [1.5, 40.0];
+/// Largest z step at which no slice misses a membrane, um: about the thickness of an optical section.
+const MEMBRANE_STEP_UM: f64 = 1.0;
+/// Blur along z over the thickness: of a cell without clear edges, and of a clear one.
+const BLURRED: [f64; 2] = [1.2, 0.4];
+/// Factor of a cell that reaches the lowest or highest slice.
+const CUT_IN_DEPTH: f64 = 0.7;
 /// Dropped voxels over those of the cell above which the report warns.
 const MUCH_DROPPED: f64 = 0.05;
 
@@ -127,7 +133,25 @@ impl StackReport {
                     .to_owned(),
             );
         }
+        self.judge();
         self.warn();
+    }
+
+    /// Weighs what may make the cell's extent along z wrong.
+    fn judge(&mut self) {
+        let thickness = self.thickness_um;
+        if let Some(Blur { depth_um: Some(depth), .. }) = self.blur {
+            let [much, little] = BLURRED;
+            self.confidence.weigh(-depth / thickness, -much, -little, || {
+                format!(
+                    "its upper and lower edges are blurred over {depth:.1} um, its thickness is {thickness:.1} um"
+                )
+            });
+        }
+        if self.touched.lowest_slice || self.touched.highest_slice {
+            self.confidence.score *= CUT_IN_DEPTH;
+            self.confidence.reasons.push("the lowest or highest slice cuts it".to_owned());
+        }
     }
 
     fn warn(&mut self) {
@@ -161,6 +185,12 @@ impl StackReport {
             warnings.push(format!(
                 "the z step of {z_step_um} um is more than a fifth of the thickness of {thickness_um:.1} um: the thickness is \
                  known to about half a step"
+            ));
+        }
+        if self.stain == Some(Stain::Membrane) && z_step_um > MEMBRANE_STEP_UM {
+            warnings.push(format!(
+                "only the membrane is bright, and the z step of {z_step_um} um can miss it at top and bottom: the thickness is \
+                 known to about one step; take slices at most {MEMBRANE_STEP_UM} um apart, or stain the inside"
             ));
         }
         let [least, most] = USUAL_THICKNESSES_UM;

@@ -17,7 +17,7 @@ const DEEPEST: f64 = 0.9;
 /// cell, blurred at its surface, has 0.6 to 1.
 const MEMBRANE: f64 = 1.3;
 /// Furthest layer from the surface that is taken for the membrane, um.
-const FURTHEST_UM: f64 = 3.0;
+const FURTHEST_UM: f64 = 2.0;
 /// Of all places on the surface, the widths at the sharpest quarter count: where the surface is
 /// oblique, it seems blurred.
 const SHARPEST: f64 = 0.25;
@@ -64,7 +64,7 @@ pub(super) fn brightest_layer(lifted: &Volume<f32>, shape: &Shape) -> [f64; 2] {
     let lateral = shape.depths([x, y, f64::INFINITY]);
     let vertical = shape.depths([f64::INFINITY, f64::INFINITY, z]);
     let high = |depths: &[f32], um: f64| depths.iter().any(|&depth| f64::from(depth) > um);
-    let full = |at: usize| 5 * counts[at / layer] >= 3 * most;
+    let full = |at: usize| 10 * counts[at / layer] >= 9 * most;
     let sides = |at: usize| full(at) && lateral[at] > 0.0;
     // Not at the sides, where columns run along the wall.
     let off = if high(&lateral, 2.0 * INSIDE_UM) { INSIDE_UM } else { 0.0 };
@@ -143,7 +143,9 @@ pub(super) fn blur(relative: &Volume<f32>, shape: &Shape, stain: Stain, smooth_u
         FWHM * (sigma * sigma - smooth * smooth).max(0.0).sqrt()
     };
     let [x, _, z] = relative.pitch;
-    let plane_um = sharp(&lateral_slopes(relative, shape)).map(|sigma| own(sigma, x));
+    // The wall of a membrane, seen from its edge, is brighter than its columns' mean.
+    let lateral = (stain == Stain::Filled).then(|| lateral_slopes(relative, shape));
+    let plane_um = lateral.and_then(|slopes| sharp(&slopes)).map(|sigma| own(sigma, x));
     let depth_um = sharp(&vertical_slopes(relative, shape)).map(|sigma| own(sigma, z));
     Blur { plane_um, depth_um }
 }

@@ -68,6 +68,21 @@ impl Volume<f32> {
         most
     }
 
+    /// The largest value within `reach` slices above and below.
+    pub(super) fn largest_near(&self, reach: usize) -> Self {
+        let layer = self.layer();
+        let count = self.size[2];
+        let mut values = self.values.clone();
+        for (z, most) in values.chunks_exact_mut(layer).enumerate() {
+            for other in z.saturating_sub(reach)..(z + reach + 1).min(count) {
+                for (most, value) in most.iter_mut().zip(&self.values[other * layer..]) {
+                    *most = most.max(*value);
+                }
+            }
+        }
+        Self { values, ..*self }
+    }
+
     /// The box of columns `from` to `to` (column and row, without the last) in all slices.
     pub(super) fn cropped(&self, from: [usize; 2], to: [usize; 2]) -> Self {
         let size = [to[0] - from[0], to[1] - from[1], self.size[2]];
