@@ -79,6 +79,13 @@ pub(super) fn cell(
     report.moved_inward_um = found.moved_inward_um;
     report.dropped = found.dropped;
     report.confidence = above.confidence.beside_texture();
+    if above.is_brightfield {
+        report.warnings.push(
+            "the stack looks like brightfield, which does not show where a cell begins and ends in depth; if it is \
+             fluorescence, give --modality fluorescence"
+                .to_owned(),
+        );
+    }
     report.notes = notes;
     report.notes.extend(found.notes);
     let voxels = spread(&found.shape, &above, stack, scale, factor, options)?;
@@ -128,6 +135,8 @@ struct Above {
     around: Vec<bool>,
     cells: usize,
     confidence: Confidence,
+    /// Whether the picture from above seems to be brightfield.
+    is_brightfield: bool,
 }
 
 impl Above {
@@ -150,6 +159,10 @@ impl Above {
         };
         let pixel_size = PixelSize::new(pixel).unwrap_or(scale.pixel_size);
         let found = segment(&plane, pixel_size, &settings)?;
+        let is_auto = options.segmentation.modality == Modality::Auto;
+        let seen = is_auto.then(|| segment(&plane, pixel_size, &options.segmentation));
+        let is_brightfield =
+            matches!(seen, Some(Ok(seen)) if seen.modality == Modality::Brightfield);
         // Places are chosen on the pixels of the file.
         let [columns, rows] = stack.size();
         let numbers = (0..columns * rows)
@@ -187,6 +200,7 @@ impl Above {
             around,
             cells: found.cells.len(),
             confidence: chosen.confidence.clone(),
+            is_brightfield,
         })
     }
 }

@@ -17,10 +17,7 @@ pub(super) fn squared(set: &[bool], size: [usize; 3], pitch: [f64; 3]) -> Vec<f3
             continue;
         }
         let mut envelope = Envelope::new(size[axis], pitch[axis]);
-        let [a, b] = [0, 1, 2].into_iter().filter(|&other| other != axis).collect::<Vec<_>>()[..]
-        else {
-            continue;
-        };
+        let (a, b) = [(1, 2), (0, 2), (0, 1)][axis];
         for j in 0..size[b] {
             for i in 0..size[a] {
                 envelope.lower(&mut squares, i * strides[a] + j * strides[b], strides[axis]);

@@ -155,14 +155,14 @@ fn boxes(shape: [usize; 3]) -> Vec<Vec<f32>> {
 
 #[test]
 fn masks_and_labels_are_exact() {
-    let shape = [12, 10, 7];
-    let stack = Stack::read(plain(&boxes(shape), [12, 10]), &StackSelection::default()).unwrap();
+    let shape = [24, 20, 7];
+    let stack = Stack::read(plain(&boxes(shape), [24, 20]), &StackSelection::default()).unwrap();
     for anisotropy in [1.0, 2.5, 8.0] {
         let step = 0.4 * anisotropy;
         let (cell, report) = stack.cell(&options(0.4, step)).unwrap();
         let [low, high] = cell.bounds_um();
-        // Rows 1 to 3 from the top are rows 6 to 8 from the bottom.
-        let expected = [[0.8, 2.4, step], [3.6, 3.6, 5.0 * step]];
+        // Rows 1 to 3 from the top are rows 16 to 18 from the bottom.
+        let expected = [[0.8, 6.4, step], [3.6, 7.6, 5.0 * step]];
         for axis in 0..3 {
             assert!((low[axis] - expected[0][axis]).abs() < 1e-12, "{low:?}");
             assert!((high[axis] - expected[1][axis]).abs() < 1e-12, "{high:?}");
@@ -186,8 +186,8 @@ fn masks_and_labels_are_exact() {
 #[test]
 fn of_a_mask_of_one_value_connected_parts_are_the_cells() {
     let slices: Vec<Vec<f32>> =
-        boxes([12, 10, 7]).iter().map(|slice| slice.iter().map(|v| v.min(1.0)).collect()).collect();
-    let stack = Stack::read(plain(&slices, [12, 10]), &StackSelection::default()).unwrap();
+        boxes([24, 20, 7]).iter().map(|slice| slice.iter().map(|v| v.min(1.0)).collect()).collect();
+    let stack = Stack::read(plain(&slices, [24, 20]), &StackSelection::default()).unwrap();
     let (cell, report) = stack.cell(&options(0.4, 1.0)).unwrap();
     assert_eq!((cell.count(), report.cells), (84, 2));
     let second = StackOptions { choice: Choice::Number(2), ..options(0.4, 1.0) };
@@ -197,7 +197,7 @@ fn of_a_mask_of_one_value_connected_parts_are_the_cells() {
 #[test]
 fn a_page_for_each_slice_needs_only_pixel_size_and_z_step() {
     let stack =
-        Stack::read(plain(&boxes([12, 10, 7]), [12, 10]), &StackSelection::default()).unwrap();
+        Stack::read(plain(&boxes([24, 20, 7]), [24, 20]), &StackSelection::default()).unwrap();
     let message = |options: StackOptions| stack.cell(&options).unwrap_err().to_string();
     assert!(message(StackOptions::default()).contains("--pixel-size"));
     let pixel = StackOptions { z_step_um: None, ..options(0.4, 1.0) };
@@ -212,9 +212,9 @@ fn a_page_for_each_slice_needs_only_pixel_size_and_z_step() {
 
 #[test]
 fn the_file_states_pixel_size_z_step_channels_and_time_points() {
-    let slices = boxes([12, 10, 6]);
+    let slices = boxes([24, 20, 6]);
     let read = |description: &str, selection: StackSelection| {
-        Stack::read(described(&slices, [12, 10], description), &selection)
+        Stack::read(described(&slices, [24, 20], description), &selection)
     };
     let all = StackSelection::default();
     let imagej = read("ImageJ=1.53\nimages=6\nslices=6\nunit=micron\nspacing=-1.5\n", all).unwrap();
@@ -248,17 +248,17 @@ fn the_file_states_pixel_size_z_step_channels_and_time_points() {
 
 #[test]
 fn pictures_in_natural_order_are_slices() {
-    let slices = boxes([12, 10, 7]);
+    let slices = boxes([24, 20, 7]);
     let mut files: Vec<(String, Vec<u8>)> = slices
         .iter()
         .enumerate()
-        .map(|(z, slice)| (format!("z{}.tif", z + 5), plain(std::slice::from_ref(slice), [12, 10])))
+        .map(|(z, slice)| (format!("z{}.tif", z + 5), plain(std::slice::from_ref(slice), [24, 20])))
         .collect();
     files.reverse();
     let stack = Stack::of_pictures(files, &StackSelection::default()).unwrap();
     assert_eq!(stack.cell(&options(0.4, 1.0)).unwrap().0.count(), 84);
     let odd = vec![
-        ("a.tif".to_owned(), plain(&slices[..1], [12, 10])),
+        ("a.tif".to_owned(), plain(&slices[..1], [24, 20])),
         ("b.tif".to_owned(), plain(&[vec![0.0; 6]], [3, 2])),
     ];
     let stack = Stack::of_pictures(odd, &StackSelection::default()).unwrap();
