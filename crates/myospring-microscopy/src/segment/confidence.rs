@@ -170,7 +170,7 @@ impl Confidence {
         let texture = [OUT_OF_FOCUS, UNIFORM, blurred, noisy];
         let other = |reason: &&String| !texture.iter().any(|start| reason.starts_with(start));
         let reasons: Vec<String> = self.reasons.iter().filter(other).cloned().collect();
-        let score = OTHER_REASON.powi(reasons.len() as i32);
+        let score = reasons.iter().map(|_| OTHER_REASON).product();
         Self { score, reasons, contrast: self.contrast }
     }
 

@@ -149,7 +149,7 @@ impl Above {
         options: &StackOptions,
     ) -> Result<Self, StackError> {
         let [width, height, _] = volume.size;
-        let Some(plane) = Plane::new(width, height, volume.from_above()) else {
+        let Some(plane) = Plane::new(width, height, volume.largest_down()) else {
             return Err(StackError::TooFew { slices: 0 });
         };
         let pixel = volume.pitch[0];
@@ -320,7 +320,7 @@ impl<'a> View<'a> {
     /// Largest brightness of each column of the cell, without the rim of its outline.
     fn columns(&self, even: &Volume<f32>) -> Vec<f32> {
         let core = self.core();
-        even.from_above()
+        even.largest_down()
             .into_iter()
             .zip(core.inside())
             .filter(|(_, is)| *is)
@@ -355,7 +355,7 @@ impl<'a> View<'a> {
                 |(sum, weight): (f32, f32)| if weight > 1e-3 { sum / weight } else { otherwise };
             means.map(mean).collect::<Vec<f32>>()
         };
-        let least = averaged(&even.from_above(), all);
+        let least = averaged(&even.largest_down(), all);
         let reach = (NEAR_UM / even.pitch[2]).round() as usize;
         let largest = even.largest_near(reach);
         let mut relative = even.clone();

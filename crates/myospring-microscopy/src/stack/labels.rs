@@ -50,7 +50,7 @@ pub(super) fn cell(
     }
     let (names, found) = contents.cells(marks, size);
     let seen = Seen { names: &names, size, bounds: &contents.bounds };
-    let above = seen.from_above(stack.size(), scale, &found);
+    let above = seen.projected(stack.size(), scale, &found);
     let number = above.choose(options.choice, options.allow_cut)?.number;
     let name = found[number as usize - 1].name;
     let inside: Vec<bool> = names.iter().map(|&other| other == name).collect();
@@ -84,7 +84,9 @@ struct Found {
 impl Contents {
     fn of(stack: &Stack, options: &StackOptions) -> Result<Self, StackError> {
         let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
-        let mut bounds = [usize::MAX..0, usize::MAX..0, usize::MAX..0];
+        let [columns, rows] = stack.size();
+        // Empty, until a place widens them.
+        let mut bounds = [columns, rows, stack.slices()].map(|count| count..0);
         let mut fullest: Option<(usize, Plane)> = None;
         let mut whole = true;
         for slice in 0..stack.slices() {
@@ -157,7 +159,7 @@ struct Seen<'a> {
 
 impl Seen<'_> {
     /// The cells as seen from above: in each column the one with the most voxels.
-    fn from_above(
+    fn projected(
         &self,
         [width, height]: [usize; 2],
         scale: Scale,

@@ -58,7 +58,7 @@ impl Volume<f32> {
     }
 
     /// The largest value of each column in depth.
-    pub(super) fn from_above(&self) -> Vec<f32> {
+    pub(super) fn largest_down(&self) -> Vec<f32> {
         let mut most = vec![f32::NEG_INFINITY; self.layer()];
         for slice in self.slices() {
             for (most, value) in most.iter_mut().zip(slice) {

@@ -153,21 +153,16 @@ fn blurred(values: &[f32], count: usize, stride: usize, sigma: f64) -> Vec<f32> 
     if sigma <= 0.0 {
         return values.to_vec();
     }
-    let reach = (4.0 * sigma).ceil() as isize;
-    let mut weights: Vec<f32> =
-        (-reach..=reach).map(|at| (-0.5 * (at as f64 / sigma).powi(2)).exp() as f32).collect();
+    let reach = (4.0 * sigma).ceil() as usize;
+    let weight = |at: usize| (-0.5 * ((at as f64 - reach as f64) / sigma).powi(2)).exp() as f32;
+    let weights: Vec<f32> = (0..=2 * reach).map(weight).collect();
     let sum: f32 = weights.iter().sum();
-    for weight in &mut weights {
-        *weight /= sum;
-    }
     let mut result = vec![0.0; values.len()];
     for (at, result) in result.iter_mut().enumerate() {
-        let place = (at / stride % count) as isize;
-        let low = (-reach).max(-place);
-        let high = reach.min(count as isize - 1 - place);
-        for shift in low..=high {
-            let from = (at as isize + shift * stride as isize) as usize;
-            *result += weights[(shift + reach) as usize] * values[from];
+        let place = at / stride % count;
+        let start = at - place * stride;
+        for from in place.saturating_sub(reach)..(place + reach + 1).min(count) {
+            *result += weights[from + reach - place] / sum * values[start + from * stride];
         }
     }
     result
