@@ -2,7 +2,7 @@
 //!
 //! A stack is a TIFF of many pages (OME-TIFF, ImageJ's, plain) or a list of pictures, one for each
 //! slice. Slices run along z, the first at the bottom unless stated otherwise. [`Stack::cell`] gives
-//! the [`Voxels`] of one cell and a [`StackReport`]; [`Stack::fibres`] reads the direction of the
+//! the [`Voxels`](myospring_core::mesh::voxels::Voxels) of one cell and a [`StackReport`]; [`Stack::fibres`] reads the direction of the
 //! myofibrils in each slice.
 //!
 //! - **Masks and labels** are used voxel by voxel as they are.
@@ -24,6 +24,7 @@
 //! surface of a cell that is thicker than the blur, not for a thinner one. The report says how wide
 //! the edges are.
 
+mod above;
 mod bright;
 mod cell;
 mod depth;

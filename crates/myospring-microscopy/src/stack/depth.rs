@@ -88,7 +88,7 @@ impl Attenuation {
 fn fitted(points: &[[f64; 2]]) -> Option<Attenuation> {
     let [first, .., last] = points else { return None };
     let count = points.len() as f64;
-    if count < 4.0 {
+    if count < 3.0 {
         return None;
     }
     let mean = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
@@ -98,6 +98,8 @@ fn fitted(points: &[[f64; 2]]) -> Option<Attenuation> {
     let squares = sum(&|[x, y]| (y - mean[1] - rate * (x - mean[0])).powi(2));
     let error = (squares / (count - 2.0) / xx).sqrt();
     let range = [first[0], last[0]];
-    let certain = rate.abs() > SURE * error && rate.abs() * (range[1] - range[0]) > LEAST_CHANGE;
+    // Few points may lie on a line by chance.
+    let sure = SURE * (count / (count - 2.0)).sqrt();
+    let certain = rate.abs() > sure * error && rate.abs() * (range[1] - range[0]) > LEAST_CHANGE;
     certain.then_some(Attenuation { rate, range })
 }
