@@ -70,6 +70,37 @@ impl Stack {
     /// # Errors
     /// Slices that cannot be read, pixels too coarse for myofibrils, voxels of another stack,
     /// settings out of range.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::{pixel_size::PixelSize, voxels::Voxels};
+    /// use myospring::microscopy::fibres::{FibreSettings, Stain};
+    /// use myospring::microscopy::stack::{Stack, StackOptions, StackSelection};
+    /// # use tiff::encoder::{TiffEncoder, colortype::Gray8};
+    /// # let mut file = std::io::Cursor::new(Vec::new());
+    /// # let mut encoder = TiffEncoder::new(&mut file)?;
+    /// # for slice in 0..4 {
+    /// #     let (sine, cosine) = (10.0 * f64::from(slice)).to_radians().sin_cos();
+    /// #     let wave = |at: usize| 0.25 * ((at % 120) as f64 * cosine - (at / 120) as f64 * sine) / 1.8;
+    /// #     let grey = |at: usize| (120.0 + 90.0 * (std::f64::consts::TAU * wave(at)).sin()) as u8;
+    /// #     let values: Vec<u8> = (0..120 * 100).map(grey).collect();
+    /// #     encoder.write_image::<Gray8>(120, 100, &values)?;
+    /// # }
+    /// # let bytes = file.into_inner();
+    /// // Z-discs 1.8 um apart in four slices; from slice to slice the fibres turn by 10 degrees.
+    /// let stack = Stack::read(bytes, &StackSelection::default())?;
+    /// let inside = (0..120 * 100 * 4).map(|at| at > 0).collect();
+    /// let cell = Voxels::new([120, 100, 4], [0.25, 0.25, 2.0], inside)?;
+    /// let options = StackOptions {
+    ///     pixel_size: Some(PixelSize::new(0.25)?),
+    ///     z_step_um: Some(2.0),
+    ///     ..StackOptions::default()
+    /// };
+    /// let fibres = stack.fibres(&cell, [1.0, 0.0], &FibreSettings::of(Stain::ZDisc), &options)?;
+    /// let helix = fibres.helix.unwrap();
+    /// assert!((helix.turn_deg - 30.0).abs() < 2.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn fibres(
         &self,
         voxels: &Voxels,

@@ -51,7 +51,7 @@ pub(super) fn stain(lifted: &Volume<f32>, shape: &Shape) -> (Stain, f64) {
     }
     let middle = f64::from(quantile(&inside, 0.5));
     let wall = f64::from(wall.iter().sum::<f32>()) / wall.len().max(1) as f64;
-    let ratio = wall / middle.max(1e-6 * wall.abs()).max(f64::MIN_POSITIVE);
+    let ratio = wall.max(0.0) / middle.max(1e-6 * wall.abs()).max(f64::MIN_POSITIVE);
     (if ratio > MEMBRANE { Stain::Membrane } else { Stain::Filled }, ratio)
 }
 
