@@ -22,9 +22,9 @@
 //!
 //! Accuracy, on made-up cells 6 to 12 um thick (ellipsoid, dome, slab, tilted ellipsoid) with slices
 //! 0.25 to 2 um apart, noise up to 0.6 of the cell's brightness, blur of standard deviation up to
-//! 1.2 um along z, and brightness that falls to 1/e over 8 um: the volume of a filled cell is within
-//! 10 %, that of a cell with a bright membrane and slices up to 1 um apart within 12 %; thickness is
-//! within half a step plus 0.25 um. Real cells have softer edges.
+//! 1.2 um along z, and brightness that falls to 1/e over 8 um: the volume of a filled cell, and of a
+//! cell with a bright membrane and slices up to 1 um apart in little noise, is within 12 %; thickness
+//! is within half a step plus 0.25 um. Real cells have softer edges.
 //!
 //! What the microscope blurs in z is not undone: half of the brightness is the right place for the
 //! surface of a cell that is thicker than the blur, not for a thinner one. The report says how wide
