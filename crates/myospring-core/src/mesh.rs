@@ -2,13 +2,14 @@
 //!
 //! A [`Mesh`] is geometry only: resting positions of points, pairs joined by springs, and sets of
 //! `D + 1` points that span area (or volume). Material and forces live in [`crate::mechanics`]. A
-//! cell is flat (`D` = 2, triangles) unless stated; [`bar`] has a block of tetrahedra.
+//! cell is flat (`D` = 2, triangles) unless stated; [`cubes`] are the lattice of a thick one.
 //!
 //! In reading order: an [`outline::Outline`] (polygon) or a [`mask::Mask`] (pixels) says where the
 //! cell is; [`lattice`] fills it with squares and turns them into masses, springs and triangles;
 //! [`quality`] measures and reports; [`built_in`] has ready-made cells; [`simplex`] has the
-//! geometry of one triangle or tetrahedron; [`surface`] has the faces of a thick cell; [`carried`]
-//! points move with the mesh, such as the outline in figures.
+//! geometry of one triangle or tetrahedron; [`carried`] points move with the mesh, such as the
+//! outline in figures. Of thick cells, [`voxels`] or a [`profile`] say where the cell is, [`thick`]
+//! fills it with [`cubes`], and [`surface`] has its faces.
 //!
 //! Lengths are micrometres, x to the right and **y upward**. Pictures have row 0 on top; their rows
 //! are flipped when they are read, so that a cell has the same orientation as in the picture.
@@ -29,6 +30,7 @@ mod selection;
 pub mod simplex;
 pub mod surface;
 pub mod thick;
+pub mod voxels;
 
 pub use place::Place;
 

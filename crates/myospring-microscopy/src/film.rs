@@ -15,8 +15,8 @@ pub use order::in_natural_order;
 use super::picture::{Depth, Picture, Samples, Selection, StatedPixelSize};
 use super::plane::Plane;
 use super::read::avi::Avi;
-use super::read::read_picture;
 use super::read::y4m::Y4m;
+use super::read::{PictureError, read_picture};
 
 /// A film.
 #[derive(Debug, Clone)]
@@ -123,11 +123,33 @@ impl Film {
         Ok(Self { pixel_size, samples, notes, ..Self::of(frames, len, size, rate) })
     }
 
+    /// The slices of one frame of a TIFF as a film (of the frames, if the selection names no slice).
+    ///
+    /// # Errors
+    /// Bytes that are not a TIFF, or no such frame or channel.
+    pub(crate) fn of_slices(bytes: Vec<u8>, selection: Selection) -> Result<Self, PictureError> {
+        let first = read_picture(&bytes, &selection)?;
+        let slices = selection.depth.is_some();
+        let len = if slices { first.slices } else { first.frames };
+        let size = [first.plane.width(), first.plane.height()];
+        let frames = Frames::Tiff { bytes, selection, slices };
+        let Picture { pixel_size, samples, notes, .. } = first;
+        Ok(Self { pixel_size, samples, notes, ..Self::of(frames, len, size, None) })
+    }
+
     /// A film of pictures, each a file with its name; they are put in natural order (`frame2` before `frame10`).
     ///
     /// # Errors
     /// Fewer than [`FEWEST_FRAMES`], or a first picture that cannot be read.
     pub fn of_pictures(
+        files: Vec<(String, Vec<u8>)>,
+        selection: &Selection,
+    ) -> Result<Self, FilmError> {
+        Self::of_any_pictures(files, selection)?.whole()
+    }
+
+    /// As [`Film::of_pictures`], of any number of pictures but none.
+    pub(crate) fn of_any_pictures(
         mut files: Vec<(String, Vec<u8>)>,
         selection: &Selection,
     ) -> Result<Self, FilmError> {
@@ -145,7 +167,7 @@ impl Film {
         let Picture { pixel_size, samples, notes, .. } = picture;
         let len = files.len();
         let film = Self::of(Frames::Pictures { files, selection }, len, size, None);
-        Self { pixel_size, samples, notes, ..film }.whole()
+        Ok(Self { pixel_size, samples, notes, ..film })
     }
 
     /// A film that begins with a picture, such as that of a gel without its cell, and goes on with the frames of this one.

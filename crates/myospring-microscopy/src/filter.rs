@@ -50,6 +50,24 @@ pub fn gaussian(plane: &Plane, sigma: f64) -> Plane {
     Plane::new(width, height, values).unwrap_or_else(|| plane.clone())
 }
 
+/// As [`gaussian`], but along columns alone.
+pub(super) fn gaussian_down(plane: &Plane, sigma: f64) -> Plane {
+    if sigma < 0.3 {
+        return plane.clone();
+    }
+    let (width, height) = (plane.width(), plane.height());
+    let weights = gaussian_weights(sigma as f32);
+    let reach = weights.len() / 2;
+    let mut values = vec![0.0; width * height];
+    for (row, sums) in values.chunks_exact_mut(width).enumerate() {
+        for (shift, &weight) in weights.iter().enumerate() {
+            let from = (row + shift).saturating_sub(reach).min(height - 1);
+            add(sums, weight, &plane.values()[from * width..]);
+        }
+    }
+    Plane::new(width, height, values).unwrap_or_else(|| plane.clone())
+}
+
 /// Reach to each side of a Gaussian of standard deviation `sigma` pixels, pixels.
 pub(super) fn reach(sigma: f64) -> usize {
     (2.0 * sigma).ceil() as usize

@@ -5,7 +5,8 @@
 //! plane; [`outlines`] reads outlines that were drawn elsewhere, and writes outlines; [`report`]
 //! measures the shape of a cell; [`fibres`] reads the direction of its myofibrils. [`cells`]
 //! combines these steps; [`whole_frame`] reads fibres where no cell has an outline. A [`film`] is
-//! many such planes; [`motion`] follows a cell through them.
+//! many such planes; [`motion`] follows a cell through them. A [`stack`] is many such planes in
+//! depth; it gives the voxels of a thick cell.
 
 pub mod burned_in;
 pub mod cells;
@@ -24,4 +25,5 @@ mod region;
 pub mod report;
 mod runs;
 pub mod segment;
+pub mod stack;
 pub mod whole_frame;

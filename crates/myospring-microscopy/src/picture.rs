@@ -115,12 +115,16 @@ pub struct Picture {
     pub coloured: bool,
     /// Number of channels; 3 for a colour picture. Opacity is not counted.
     pub channels: usize,
+    /// Number of channels to choose from: a colour picture, read as its luminance, counts as one.
+    pub choices: usize,
     /// Number of frames.
     pub frames: usize,
     /// Number of slices in depth.
     pub slices: usize,
     /// Time between two frames, s, if the file states one.
     pub frame_interval_s: Option<f64>,
+    /// Distance of two slices in depth, um, if the file states one that is plausible for a microscope.
+    pub z_step_um: Option<f64>,
     /// Warnings, for instance which of several channels was taken, or a stated pixel size that was
     /// rejected as implausible.
     pub notes: Vec<String>,

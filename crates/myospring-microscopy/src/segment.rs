@@ -38,9 +38,10 @@ mod tissue;
 
 use serde::Serialize;
 
-pub(crate) use by_modality::is_taken_for_mask;
 pub use by_modality::segment;
+pub(crate) use by_modality::{check_settings, is_taken_for_mask};
 pub use confidence::Confidence;
+pub(crate) use modality::has_flat_labels;
 
 use super::region::Window;
 use myospring_core::interruption::{Interrupted, Interruption};

@@ -121,6 +121,9 @@ pub enum LatticeError {
         /// The given thickness, um.
         thickness: f64,
     },
+    /// Voxels that have no outline seen from above.
+    #[error("seen from above the cell has no outline: {0}")]
+    Above(String),
     /// Not a single cube across the thickness.
     #[error(
         "spacing {spacing} um exceeds the cell's thickness of {thickness} um; give less, or leave it out for {default} um"

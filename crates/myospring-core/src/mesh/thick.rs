@@ -13,6 +13,7 @@ use super::profile::{Heights, Profile};
 use super::quality::{MeshReport, ThickReport, dimensions};
 use super::selection::choose;
 use super::simplex::measure_at;
+use super::voxels::Voxels;
 use super::{Mesh, coverage};
 use serde::Serialize;
 
@@ -135,6 +136,45 @@ pub fn from_mask(
     Ok((above, thick, report))
 }
 
+/// As [`from_outline`], for the voxels of a cell, whose form they show.
+///
+/// # Errors
+/// Those of [`from_outline`], and voxels that have no outline seen from above.
+///
+/// # Example
+/// ```
+/// use myospring::mesh::{thick, voxels::Voxels};
+/// // A ball of 20 um in voxels of 0.5 x 0.5 x 1 um.
+/// let inside = |at: usize| {
+///     let [x, y, z] = [at % 44, at / 44 % 44, at / (44 * 44)].map(|place| place as f64 + 0.5);
+///     (0.5 * x - 11.0).powi(2) + (0.5 * y - 11.0).powi(2) + (z - 11.0).powi(2) < 100.0
+/// };
+/// let voxels = Voxels::new([44, 44, 22], [0.5, 0.5, 1.0], (0..44 * 44 * 22).map(inside).collect())?;
+/// let (_, thick, report) = thick::from_voxels(&voxels, Some(1.0))?;
+/// assert!((thick.mesh.area() / voxels.volume_um3() - 1.0).abs() < 0.01);
+/// assert_eq!(report.thick.unwrap().layers, 20);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn from_voxels(
+    voxels: &Voxels,
+    spacing: Option<f64>,
+) -> Result<(Mesh, Thick, MeshReport), LatticeError> {
+    let seen = voxels.above().map_err(|cause| LatticeError::Above(cause.to_string()))?;
+    let shape = Source::shape(&seen);
+    let [low, high] = voxels.bounds_um();
+    let (thickness, volume) = (high[2] - low[2], voxels.volume_um3());
+    let default = default_spacing(volume, thickness);
+    let spacing = check_spacing(&shape, thickness, volume, spacing, default)?;
+    let flat = lattice::cover(&shape, spacing);
+    let layers = (thickness / spacing - 1e-6).ceil().max(1.0) as usize;
+    let grid = Grid {
+        spacing,
+        origin: [flat.origin[0], flat.origin[1], low[2]],
+        shape: [flat.columns, flat.rows, layers],
+    };
+    made(&grid, &voxels.coverage(grid.origin, spacing, grid.shape), &shape, Vec::new())
+}
+
 /// The spacing, um, at which a volume contains about [`DEFAULT_POINTS`] points and the thickness enough cubes.
 fn default_spacing(volume: f64, thickness: f64) -> f64 {
     let spacing = (volume / DEFAULT_POINTS as f64).cbrt().min(thickness / ENOUGH_LAYERS as f64);
@@ -156,8 +196,9 @@ fn fill(
     let shape = source.shape();
     // An elliptic section has pi/4 of its box.
     let part = if profile == Profile::Slab { 1.0 } else { std::f64::consts::FRAC_PI_4 };
-    let default = default_spacing(part * shape.area * thickness, thickness);
-    let spacing = check_spacing(&shape, form, part, spacing, default)?;
+    let volume = part * shape.area * thickness;
+    let default = default_spacing(volume, thickness);
+    let spacing = check_spacing(&shape, thickness, volume, spacing, default)?;
     let flat = lattice::cover(&shape, spacing);
     let layers = (thickness / spacing - 1e-6).ceil().max(1.0);
     // A cell that lies on something begins where that ends; a rounded one is in the middle of its layers.
@@ -173,8 +214,8 @@ fn fill(
 
 fn check_spacing(
     shape: &coverage::Shape,
-    form: Form,
-    part: f64,
+    thickness: f64,
+    volume: f64,
     spacing: Option<f64>,
     default: f64,
 ) -> Result<f64, LatticeError> {
@@ -187,11 +228,9 @@ fn check_spacing(
     if given && spacing > bound * (1.0 + 1e-9) {
         return Err(LatticeError::TooCoarse { spacing, bound, width: shape.width, default });
     }
-    if spacing > form.thickness * (1.0 + 1e-9) {
-        let thickness = form.thickness;
+    if spacing > thickness * (1.0 + 1e-9) {
         return Err(LatticeError::TooThin { spacing, thickness, default });
     }
-    let volume = part * shape.area * form.thickness;
     let points = volume / spacing.powi(3);
     if points > MOST_POINTS as f64 {
         let smallest = (volume / MOST_POINTS as f64).cbrt();
@@ -230,7 +269,7 @@ fn coverage_of(heights: &Heights, grid: &Grid) -> Vec<f64> {
 }
 
 /// The mesh of the cubes that are covered most, as many as give it the volume.
-pub(super) fn made(
+fn made(
     grid: &Grid,
     coverage: &[f64],
     shape: &coverage::Shape,

@@ -58,6 +58,22 @@ fn believed(um: f64, source: PixelSizeSource) -> Result<PixelSize, String> {
     Ok(size)
 }
 
+/// The distance of two slices as stated, um, if it is plausible for a microscope; otherwise a note.
+pub(super) fn plausible_z_step(
+    (um, source): (f64, PixelSizeSource),
+    notes: &mut Vec<String>,
+) -> Option<f64> {
+    let size = PixelSize::new(um);
+    if size.is_err() {
+        let [least, most] = [PixelSize::SMALLEST_UM, PixelSize::LARGEST_UM];
+        let name = name(source);
+        notes.push(format!(
+            "{name} says {um} um from slice to slice: outside {least} to {most} um, ignored"
+        ));
+    }
+    size.ok().map(PixelSize::um)
+}
+
 /// Whether a resolution is typical of printers, screens and scanners: a round number of pixels per
 /// inch, to the precision of whole pixels per metre.
 fn is_print(per_inch: f64) -> bool {

@@ -47,8 +47,10 @@ pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, Pictu
         samples: Samples::Integer { bits: colours.sample_bits() },
         coloured,
         channels: colours.channels(),
+        choices: 1,
         frames: 1,
         slices: 1,
+        z_step_um: None,
         frame_interval_s: None,
         notes,
     })

@@ -85,6 +85,8 @@ pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, Pictu
     }
     let pixel_size = pixel_size::choose(stack.sizes, &mut notes)?;
     let frames = stack.planes.size(Axis::Frame);
+    let z_step_um =
+        stack.z_step.and_then(|stated| pixel_size::plausible_z_step(stated, &mut notes));
     let frame_interval_s = stack.frame_interval_s.filter(|s| s.is_finite() && *s > 0.0);
     Ok(Picture {
         plane,
@@ -92,9 +94,11 @@ pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, Pictu
         samples,
         coloured,
         channels,
+        choices: alternatives,
         frames,
         slices,
         frame_interval_s,
+        z_step_um,
         notes,
     })
 }

@@ -116,6 +116,11 @@ fn check(plane: &Plane, settings: &SegmentationSettings) -> Result<(), SegmentEr
         let (column, row) = (at % plane.width(), at / plane.width());
         return Err(SegmentError::NotFinite { column, row, value: plane.values()[at] });
     }
+    check_settings(settings)
+}
+
+/// Rejects settings out of range.
+pub(crate) fn check_settings(settings: &SegmentationSettings) -> Result<(), SegmentError> {
     let [low, high] = SMOOTH_UM;
     let smooth = settings.smooth_um.unwrap_or(low);
     let range = |what, value: f64, unit, low, high| {

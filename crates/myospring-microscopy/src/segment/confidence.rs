@@ -34,6 +34,14 @@ const RAGGED: &str = "it fills little of its convex hull";
 /// Beginning of the reason for a patch of something larger.
 pub(super) const PATCH: &str = "it does not end at its outline";
 
+/// Beginnings of the reasons that concern the texture of the cell.
+pub(super) const OUT_OF_FOCUS: &str = "it is out of focus";
+pub(super) const UNIFORM: &str = "it is uniform";
+pub(super) const HIDES: [&str; 2] = ["noise and blur hide", "noise hides"];
+
+/// Factor for each reason that is left if those that concern texture do not count.
+const OTHER_REASON: f64 = 0.7;
+
 /// A cell to be judged.
 pub(super) struct Candidate<'a> {
     /// Its number.
@@ -155,9 +163,20 @@ impl Confidence {
         self.reasons.iter().any(|reason| reason.starts_with(RAGGED))
     }
 
+    /// Confidence without the reasons that concern texture, which a picture made of many does not
+    /// show.
+    pub(crate) fn beside_texture(&self) -> Self {
+        let [blurred, noisy] = HIDES;
+        let texture = [OUT_OF_FOCUS, UNIFORM, blurred, noisy];
+        let other = |reason: &&String| !texture.iter().any(|start| reason.starts_with(start));
+        let reasons: Vec<String> = self.reasons.iter().filter(other).cloned().collect();
+        let score = reasons.iter().map(|_| OTHER_REASON).product();
+        Self { score, reasons, contrast: self.contrast }
+    }
+
     /// Multiplies the score by a factor: 1 if `value` reaches `good`, 0 at `bad`, linear between.
     /// Below 0.8 the reason is recorded.
-    pub(super) fn weigh(
+    pub(crate) fn weigh(
         &mut self,
         value: f64,
         bad: f64,

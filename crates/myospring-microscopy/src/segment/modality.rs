@@ -75,7 +75,7 @@ pub(super) fn is_mask(plane: &Plane) -> bool {
 
 /// Whether most pixels with a value other than 0 border on equal pixels or 0, as in a label; those
 /// of a soft edge do not.
-pub(super) fn has_flat_labels(plane: &Plane) -> bool {
+pub(crate) fn has_flat_labels(plane: &Plane) -> bool {
     let width = plane.width();
     let values = plane.values();
     let mut pairs: HashMap<u32, [u64; 2]> = HashMap::new();

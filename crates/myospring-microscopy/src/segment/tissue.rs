@@ -5,7 +5,7 @@
 //! cells. Each criterion is independent of the others and gives a factor and a reason.
 
 use super::companion::Blocks;
-use super::confidence::{Candidate, Confidence, PATCH};
+use super::confidence::{Candidate, Confidence, HIDES, OUT_OF_FOCUS, PATCH, UNIFORM};
 use super::evidence::{Evidence, Grid, texture_of};
 use super::found::Working;
 use super::grain::{Grain, noise_of, texture_of_noise};
@@ -237,21 +237,22 @@ impl<'a> Tissue<'a> {
         if seen < BLURRED && blurred >= 1.0 {
             confidence.weigh(BLURRED, 0.0, 1.0, || {
                 format!(
-                    "it is out of focus: a blur of {blur_um:.1} um, as at its rim, hides sarcomeres and organelles, so it \
+                    "{OUT_OF_FOCUS}: a blur of {blur_um:.1} um, as at its rim, hides sarcomeres and organelles, so it \
                      may or may not be a cell; take a sharper picture, or check the outline by eye"
                 )
             });
         } else if most < MAY_HIDE * passes * (1.0 - blurred) || seen >= HIDDEN {
             confidence.weigh(least, none, enough, || {
                 format!(
-                    "it is uniform: its brightness varies by {:.1} % on the scale of sarcomeres and organelles, in \
+                    "{UNIFORM}: its brightness varies by {:.1} % on the scale of sarcomeres and organelles, in \
                      cells by 4 % or more; is it a bead, a post, a mark or an overexposed place?",
                     100.0 * least
                 )
             });
         } else {
             confidence.weigh(HIDDEN, 0.0, 1.0, || {
-                let hide = if blur_um > TELLS_BLUR_UM { "noise and blur hide" } else { "noise hides" };
+                let [blurred, noisy] = HIDES;
+                let hide = if blur_um > TELLS_BLUR_UM { blurred } else { noisy };
                 format!(
                     "{hide} whether it has the texture of a cell: a variation below {:.0} % of its brightness would not be \
                      visible; is it a cell?",

@@ -15,8 +15,8 @@ pub(super) struct ImageJ {
     /// Whether the axes were set by a user or an instrument; otherwise `slices` is only the number
     /// of pages.
     hyperstack: bool,
-    /// Whether a distance between slices is stated, which only a stack in depth has.
-    spacing: bool,
+    /// Distance between slices in `unit`, which only a stack in depth has.
+    spacing: Option<f64>,
     unit: Option<String>,
     /// Time between two frames, s.
     frame_interval_s: Option<f64>,
@@ -47,7 +47,7 @@ impl ImageJ {
                 slices: number("slices"),
                 frames: number("frames"),
                 hyperstack: value("hyperstack").is_some_and(|text| text.trim() == "true"),
-                spacing: value("spacing").is_some(),
+                spacing: value("spacing").map(|text| text.trim().parse().unwrap_or(f64::NAN)),
                 unit: value("unit").map(str::to_owned),
                 frame_interval_s: interval,
             }
@@ -58,7 +58,7 @@ impl ImageJ {
     ///
     /// ImageJ writes `slices=5` for any series of 5 pages, also for a film.
     pub(super) fn says_axes(&self) -> bool {
-        self.hyperstack || self.spacing || self.channels > 1 || self.frames > 1
+        self.hyperstack || self.spacing.is_some() || self.channels > 1 || self.frames > 1
     }
 
     /// Which plane each page contains; `None` if the numbers do not match the pages.
@@ -93,6 +93,12 @@ impl ImageJ {
         let x_um = side(per_unit[0])?;
         let y_um = side(per_unit[1]).unwrap_or(x_um);
         Some(Stated { x_um, y_um, source: PixelSizeSource::ImageJ })
+    }
+
+    /// Distance of two slices, um; its sign is only the direction in which the stage moved.
+    pub(super) fn z_step_um(&self) -> Option<f64> {
+        let um = unit_um(self.unit.as_ref()?)?;
+        self.spacing.map(|spacing| spacing.abs() * um)
     }
 
     /// The declared numbers in words.

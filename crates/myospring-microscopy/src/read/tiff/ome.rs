@@ -26,8 +26,9 @@ pub(super) struct Ome {
     /// Numbers of channels, slices and frames; colour samples count as channels.
     sizes: [u64; 3],
     order: String,
-    sides: [Option<f64>; 2],
-    units: [Option<String>; 2],
+    /// Sides of a pixel and distance of slices, each with its unit.
+    sides: [Option<f64>; 3],
+    units: [Option<String>; 3],
     /// Time between two frames as set, s.
     increment_s: Option<f64>,
     /// Number and time of the first and of the last frame that has a time, s.
@@ -121,8 +122,11 @@ impl Ome {
             }
         }
         self.order = attribute(element, "DimensionOrder")?.unwrap_or_default().into_owned();
-        let names =
-            [("PhysicalSizeX", "PhysicalSizeXUnit"), ("PhysicalSizeY", "PhysicalSizeYUnit")];
+        let names = [
+            ("PhysicalSizeX", "PhysicalSizeXUnit"),
+            ("PhysicalSizeY", "PhysicalSizeYUnit"),
+            ("PhysicalSizeZ", "PhysicalSizeZUnit"),
+        ];
         for (axis, (name, unit)) in names.into_iter().enumerate() {
             self.sides[axis] = attribute(element, name)?.and_then(|text| text.trim().parse().ok());
             self.units[axis] = attribute(element, unit)?.map(Cow::into_owned);
@@ -199,13 +203,19 @@ impl Ome {
 
     /// Size of a pixel; micrometres if no unit is stated.
     pub(super) fn pixel_size(&self) -> Option<Stated> {
-        let side = |axis: usize| {
-            let um = unit_um(self.units[axis].as_deref().unwrap_or("um"))?;
-            self.sides[axis].map(|side| side * um).filter(|side| side.is_finite())
-        };
-        let x_um = side(0)?;
-        let y_um = side(1).unwrap_or(x_um);
+        let x_um = self.side_um(0)?;
+        let y_um = self.side_um(1).unwrap_or(x_um);
         Some(Stated { x_um, y_um, source: PixelSizeSource::OmeXml })
+    }
+
+    /// Distance of two slices, um; micrometres if no unit is stated.
+    pub(super) fn z_step_um(&self) -> Option<f64> {
+        self.side_um(2)
+    }
+
+    fn side_um(&self, axis: usize) -> Option<f64> {
+        let um = unit_um(self.units[axis].as_deref().unwrap_or("um"))?;
+        self.sides[axis].map(|side| side * um).filter(|side| side.is_finite())
     }
 }
 

@@ -17,6 +17,8 @@ pub(super) struct Stack {
     pages: Vec<usize>,
     /// Statements of the size of a pixel, the most trustworthy first.
     pub(super) sizes: Vec<Stated>,
+    /// Distance of two slices, um, if the file states it, and where.
+    pub(super) z_step: Option<(f64, PixelSizeSource)>,
     /// Time between two frames, s, if the file states it.
     pub(super) frame_interval_s: Option<f64>,
 }
@@ -45,7 +47,8 @@ impl Stack {
             let planes = ome.planes(pages.len() as u64, u64::from(first.channels()));
             if let Some(planes) = planes.filter(|_| ome.images > 0) {
                 let frame_interval_s = ome.frame_interval_s();
-                return Ok(Self { planes, pages, sizes, frame_interval_s });
+                let z_step = ome.z_step_um().map(|um| (um, PixelSizeSource::OmeXml));
+                return Ok(Self { planes, pages, sizes, z_step, frame_interval_s });
             }
         }
         pages.retain(|&page| {
@@ -81,7 +84,9 @@ impl Stack {
         let planes = planes.or_else(|| imagej::series(axis, count));
         let planes = planes.ok_or_else(|| damaged_tiff(format!("it has {count} pages")))?;
         let frame_interval_s = imagej.as_ref().and_then(ImageJ::frame_interval_s);
-        Ok(Self { planes, pages, sizes, frame_interval_s })
+        let z_step = imagej.as_ref().and_then(ImageJ::z_step_um);
+        let z_step = z_step.map(|um| (um, PixelSizeSource::ImageJ));
+        Ok(Self { planes, pages, sizes, z_step, frame_interval_s })
     }
 
     /// The page of the file that contains a plane.
