@@ -134,7 +134,7 @@ impl<'a, const D: usize> Path<'a, D> {
         let extent = extent(body);
         let mut solver = Solver::new(system, body, interruption);
         let rest = solver
-            .find(&body.positions, 0.0, tolerance.equilibrium * extent)
+            .find_from_afar(&body.positions, tolerance.equilibrium * extent)
             .map_err(|failure| ending(failure, body, [0.0; 2], None))?;
         // Power of the damping when the shape moves at the rate `slope` per kPa and ms, divided by
         // the power of its elastic forces: the delay of the shape.

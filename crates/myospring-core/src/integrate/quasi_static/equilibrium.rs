@@ -184,8 +184,19 @@ impl<'a, const D: usize> Solver<'a, D> {
         tension: f64,
         tolerance: f64,
     ) -> Result<Rest<D>, Failure> {
-        let (positions, corrections) = self.settle(guess, tension.into(), tolerance)?;
+        let (positions, corrections) = self.settle(guess, tension.into(), tolerance, false)?;
         Ok(self.at_rest(positions, tension, corrections))
+    }
+
+    /// As [`Solver::find`] without tension, where loads from outside may be far from a guess: a step to where the stiffness is
+    /// not positive definite is shortened.
+    pub(super) fn find_from_afar(
+        &mut self,
+        guess: &Vectors<D>,
+        tolerance: f64,
+    ) -> Result<Rest<D>, Failure> {
+        let (positions, corrections) = self.settle(guess, 0.0.into(), tolerance, true)?;
+        Ok(self.at_rest(positions, 0.0, corrections))
     }
 
     /// Moves the body to the equilibrium under any tension near a guess; returns the largest
@@ -196,7 +207,7 @@ impl<'a, const D: usize> Solver<'a, D> {
         tension: Tension<'_>,
         tolerance: f64,
     ) -> Result<(Vectors<D>, Vec<f64>), Failure> {
-        let (positions, corrections) = self.settle(guess, tension, tolerance)?;
+        let (positions, corrections) = self.settle(guess, tension, tolerance, false)?;
         let positions = match self.system.support {
             Support::MassCentre | Support::Free if adrift(self.system) => {
                 self.in_place(positions, zeros(self.body.len())).0
@@ -211,13 +222,24 @@ impl<'a, const D: usize> Solver<'a, D> {
         guess: &Vectors<D>,
         tension: Tension<'_>,
         tolerance: f64,
+        shortens: bool,
     ) -> Result<(Vectors<D>, Vec<f64>), Failure> {
         let mut positions = guess.clone();
         let mut corrections = Vec::new();
+        // The last step: from where, in which direction, and how far.
+        let mut last: Option<(Vectors<D>, Vectors<D>, f64)> = None;
         let mut energy = self.energy(&positions, tension);
         for _ in 0..ITERATIONS {
             let forces = self.forces(&positions, tension);
-            self.factorise(&positions, tension)?;
+            match (self.factorise(&positions, tension), &mut last) {
+                (Err(Failure::Indefinite), Some((from, direction, part))) if shortens => {
+                    *part *= 0.5;
+                    positions = moved(from, direction, *part);
+                    energy = self.energy(&positions, tension);
+                    continue;
+                }
+                (factorised, _) => factorised?,
+            }
             let correction = self.respond(&forces, INEXACT);
             let largest = largest(&correction);
             if !largest.is_finite() {
@@ -239,7 +261,9 @@ impl<'a, const D: usize> Solver<'a, D> {
                 let there = self.energy(&trial, tension);
                 // Armijo's rule; rounding in the energy must not stop the last steps.
                 if there[0] <= energy[0] - 1e-4 * part * drop + 1e-13 * (energy[1] + there[1]) {
-                    (positions, energy) = (trial, there);
+                    let from = std::mem::replace(&mut positions, trial);
+                    energy = there;
+                    last = shortens.then(|| (from, correction.clone(), part));
                     break;
                 }
                 part *= 0.5;
