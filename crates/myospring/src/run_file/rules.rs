@@ -14,10 +14,18 @@ use crate::units::{self, Dimension};
 type Checked = Result<(), Failure>;
 
 /// Keys of which only one may be given, and the advice for users who give two.
-const ALTERNATIVES: [(&[&str], &str); 3] = [
+const ALTERNATIVES: [(&[&str], &str); 5] = [
     (
-        &["shape.built_in", "shape.picture", "shape.outline"],
+        &["shape.built_in", "shape.picture", "shape.outline", "shape.stack"],
         "a cell has one shape; leave one of them out",
+    ),
+    (
+        &["shape.stack", "shape.profile"],
+        "a stack shows how thick the cell is in each place; leave the profile out",
+    ),
+    (
+        &["shape.stack", "material.thickness"],
+        "a stack shows how thick the cell is; leave the thickness out",
     ),
     (
         &["material.young_modulus", "material.spring_stiffness"],
@@ -327,21 +335,30 @@ fn shape(file: &RunFile, run: &Run) -> Checked {
     }
 }
 
-/// Keys that apply only to thick cells, and only to flat ones.
+/// Keys that apply only to thick cells, only to stacks, and only to flat cells.
 const OF_THICK: [&str; 2] = ["material.poisson_ratio", "mechanics.helix_angle"];
+const OF_STACK: [&str; 3] = ["shape.z_step", "shape.first_slice", "shape.stack_stain"];
 const OF_FLAT: [&str; 3] =
     ["material.area_law", "material.area_modulus", "material.spring_stiffness"];
 
 fn profile(file: &RunFile, run: &Run) -> Checked {
-    let (others, advice) = match run.shape.form {
-        None => (
-            &OF_THICK[..],
-            "only a thick cell has it; give profile = \"round\", \"dome\" or \"slab\" (--profile), or leave it out",
-        ),
-        Some(_) => (
+    if run.shape.slices().is_none()
+        && let Some(second) = OF_STACK.into_iter().find(|key| file.has(key))
+    {
+        let reason = "only a stack has it; give stack = \"FILE.tif\" (--stack), or leave it out";
+        return Err((second.to_owned(), Problem::Missing { key: "shape.stack", reason }));
+    }
+    let (others, advice) = if run.shape.is_thick() {
+        (
             &OF_FLAT[..],
             "a thick cell has young_modulus and poisson_ratio instead; leave it out, or give profile = \"flat\"",
-        ),
+        )
+    } else {
+        (
+            &OF_THICK[..],
+            "only a thick cell has it; give profile = \"round\", \"dome\" or \"slab\" (--profile) or a stack (--stack), or leave \
+             it out",
+        )
     };
     match others.iter().find(|key| file.has(key)) {
         Some(second) => exclude("shape.profile", second, advice),

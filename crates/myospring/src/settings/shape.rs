@@ -10,11 +10,15 @@ use crate::mesh::pixel_size::PixelSize;
 use crate::mesh::quality::{MeshReport, outline_dimensions};
 use crate::mesh::thick::{self, Form, Thick};
 use crate::microscopy::cells::{CellError, PictureCell, PictureCells, PictureOptions};
+use crate::microscopy::outlines::trace::{Edge, trace_mask};
 use crate::microscopy::outlines::{
     CoordinateUnit, OutlineFileError, Placement, ReadOptions, read_outlines,
 };
 use crate::microscopy::report::{USUAL_AREAS_UM2, impossible_size};
 use crate::microscopy::segment::Choice;
+use crate::microscopy::stack::{
+    FirstSlice, Stack, StackError, StackOptions, StackSelection, Stain,
+};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -32,6 +36,19 @@ pub struct PictureSource {
     pub choice: Choice,
     /// Whether a cell may be cut by the frame.
     pub allow_cut: bool,
+    /// How its slices lie, if it is a stack in depth, whose cell is thick.
+    pub slices: Option<Slices>,
+}
+
+/// The slices of a stack in depth.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Slices {
+    /// Distance of two slices, um; `None` uses the file's own.
+    pub z_step: Option<f64>,
+    /// Where the first slice of the file lies.
+    pub first: FirstSlice,
+    /// What of the cell is bright.
+    pub stain: Stain,
 }
 
 /// The source of the shape.
@@ -54,6 +71,9 @@ pub enum Source {
 
 /// Endings of pictures, without the dot.
 pub const PICTURE_ENDINGS: &[&str] = &["png", "tif", "tiff"];
+
+/// Endings of stacks in depth, without the dot.
+pub(super) const STACK_ENDINGS: &[&str] = &["tif", "tiff"];
 
 /// Endings of files of outlines, without the dot.
 pub const OUTLINE_ENDINGS: &[&str] = &["geojson", "json", "csv", "roi", "zip", "txt"];
@@ -166,6 +186,14 @@ pub enum ShapeError {
         path: String,
         /// What the system says.
         cause: io::Error,
+    },
+    /// The stack gives no cell.
+    #[error("`{path}`: {cause}")]
+    Stack {
+        /// The file.
+        path: String,
+        /// What is wrong with it.
+        cause: Box<StackError>,
     },
     /// The picture gives no cell.
     #[error("`{path}`: {cause}")]
@@ -295,10 +323,65 @@ impl Shape {
             report.warnings.extend(notes);
             return Ok(Shaped { mesh, thick, report, outline, picture: None });
         };
+        if let Some(slices) = picture.slices {
+            return self.mesh_stack(picture, slices, bytes);
+        }
         let cells = picture.cells(bytes)?;
         let cell =
             cells.cell(picture.choice, picture.allow_cut).map_err(|cause| picture.failed(cause))?;
         self.mesh_cell(cells, cell)
+    }
+
+    /// Whether the cell has a thickness of its own.
+    pub fn is_thick(&self) -> bool {
+        self.form.is_some() || self.slices().is_some()
+    }
+
+    /// The slices of a stack in depth, if it is one.
+    pub fn slices(&self) -> Option<Slices> {
+        self.source.picture().and_then(|picture| picture.slices)
+    }
+
+    /// Meshes the cell in a stack of slices.
+    fn mesh_stack(
+        &self,
+        picture: &PictureSource,
+        slices: Slices,
+        bytes: &ShapeBytes,
+    ) -> Result<Shaped, ShapeError> {
+        let failed =
+            |cause| ShapeError::Stack { path: picture.path.clone(), cause: Box::new(cause) };
+        let PictureOptions { selection, pixel_size, segmentation, .. } = &picture.options;
+        // The first frame is the usual one; a file with more needs a choice.
+        let frame = Some(selection.frame).filter(|frame| *frame > 0);
+        let selection = StackSelection { channel: selection.channel, frame };
+        let stack = Stack::read(bytes.shape.clone(), &selection).map_err(failed)?;
+        let options = StackOptions {
+            pixel_size: *pixel_size,
+            z_step_um: slices.z_step,
+            segmentation: segmentation.clone(),
+            choice: picture.choice,
+            allow_cut: picture.allow_cut,
+            stain: slices.stain,
+            first_slice: slices.first,
+        };
+        let (voxels, found) = stack.cell(&options).map_err(failed)?;
+        let meshed = thick::from_voxels(&voxels, self.spacing);
+        let (mesh, thick, mut report) = meshed.map_err(|cause| self.unmeshed(cause))?;
+        report.warnings.extend(found.notes);
+        report.warnings.extend(found.warnings);
+        report.touches_frame = found.touched.sides;
+        let outline = voxels.above().ok().and_then(|mask| trace_mask(&mask, Edge::Smooth).ok());
+        let outline = outline.ok_or_else(|| {
+            self.unmeshed(LatticeError::Above("its pixels have no ring around them".to_owned()))
+        })?;
+        let pointed_at = picture.choice != Choice::Largest;
+        let areas_um2 = if pointed_at { [0.0, f64::INFINITY] } else { picture.options.areas_um2 };
+        let length = outline_dimensions(&outline).length_um;
+        self.possible(impossible_size(length, outline.area(), areas_um2), || {
+            (format!("Its pixels are {} um wide", found.pixel_um), "the pixel size (--pixel-size)")
+        })?;
+        Ok(Shaped { mesh, thick: Some(Arc::new(thick)), report, outline, picture: None })
     }
 
     /// Meshes one cell of a picture, with a warning if others were not taken.

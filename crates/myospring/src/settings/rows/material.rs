@@ -43,7 +43,7 @@ pub(super) const ROWS: &[Setting] = &[
         "material.thickness",
         "Thickness of the cell; where it varies, the greatest.",
         Bounds::any(Dimension::Length, "10 um").above(0.0).to(100.0),
-        |run| Some(run.material.thickness),
+        |run| run.shape.slices().is_none().then_some(run.material.thickness),
         |run, thickness| {
             run.material.thickness = thickness;
             if let Some(form) = &mut run.shape.form {
@@ -57,7 +57,7 @@ pub(super) const ROWS: &[Setting] = &[
         "Law of area preservation.",
         ValueKind::Words {
             words: AreaLaw::WORDS,
-            get: |run| run.shape.form.is_none().then(|| run.material.area_law.word()),
+            get: |run| (!run.shape.is_thick()).then(|| run.material.area_law.word()),
             set: |run, word| choose(&mut run.material.area_law, word),
         },
     )
@@ -66,7 +66,7 @@ pub(super) const ROWS: &[Setting] = &[
         "material.area_modulus",
         "Stiffness of the area law per thickness.",
         Bounds::any(Dimension::Pressure, "175 kPa").from(0.0).to(1e6),
-        |run| run.shape.form.is_none().then_some(run.material.area_modulus),
+        |run| (!run.shape.is_thick()).then_some(run.material.area_modulus),
         |run, modulus| run.material.area_modulus = modulus,
     ),
     Setting::quantity(
@@ -74,7 +74,7 @@ pub(super) const ROWS: &[Setting] = &[
         "Poisson's ratio of a thick cell. Near 0.5 it keeps its volume; 0.25 is that of springs alone. A flat cell has `area_modulus` \
          instead.",
         Bounds::any(Dimension::Number, "0.49").from(0.25).to(0.499),
-        |run| run.shape.form.map(|_| run.material.poisson_ratio),
+        |run| run.shape.is_thick().then_some(run.material.poisson_ratio),
         |run, ratio| run.material.poisson_ratio = ratio,
     )
     .otherwise("0.49"),

@@ -4,7 +4,9 @@ use super::super::bounds::{Bounds, Whole};
 use super::super::problem::Problem;
 use super::super::run::Run;
 use super::super::setting::{Setting, ValueKind};
-use super::super::shape::{OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Source};
+use super::super::shape::{
+    OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, STACK_ENDINGS, Slices, Source,
+};
 use super::super::words::{Word, Worded, worded};
 use crate::integrate::Method;
 use crate::mechanics::material::of_thick_cell;
@@ -14,6 +16,7 @@ use crate::mesh::profile::Profile;
 use crate::mesh::thick::Form;
 use crate::microscopy::cells::PictureOptions;
 use crate::microscopy::segment::{Choice, LARGEST_LABEL};
+use crate::microscopy::stack::{FirstSlice, Stain};
 use crate::units::Dimension;
 
 /// A flat cell, or how the thickness of a thick one varies.
@@ -54,6 +57,17 @@ worded! { ProfileName {
     ProfileName::Slab = "slab": "A thick cell of the same thickness everywhere.",
 } }
 
+worded! { FirstSlice {
+    FirstSlice::Bottom = "bottom": "At the bottom, where the cell stands on its support.",
+    FirstSlice::Top = "top": "At the top.",
+} }
+
+worded! { Stain {
+    Stain::Auto = "auto": "Determined from the brightness at the surface and inside.",
+    Stain::Filled = "filled": "The inside: cytosol, calcium dye, myofibrils.",
+    Stain::Membrane = "membrane": "The membrane alone.",
+} }
+
 pub(super) const ROWS: &[Setting] = &[
     Setting::new(
         "shape.built_in",
@@ -74,18 +88,72 @@ pub(super) const ROWS: &[Setting] = &[
             endings: PICTURE_ENDINGS,
             words: &[],
             example: "cell.png",
-            get: |run| run.shape.source.picture().map(|picture| picture.path.clone()),
-            set: |run, path| {
-                run.shape.source = Source::Picture(Box::new(PictureSource {
-                    path,
-                    outline: None,
-                    options: PictureOptions::default(),
-                    choice: Choice::Largest,
-                    allow_cut: false,
-                }));
-            },
+            get: |run| path(run, false),
+            set: |run, path| run.shape.source = picture(path, None),
         },
     ),
+    Setting::new(
+        "shape.stack",
+        "Stack of pictures of the cell in depth, one per slice: a TIFF, OME-TIFF or ImageJ stack of fluorescence, a mask or labels; \
+         relative to this file. The cell is thick, and has the form that the stack shows.",
+        ValueKind::File {
+            endings: STACK_ENDINGS,
+            words: &[],
+            example: "cell.tif",
+            get: |run| path(run, true),
+            set: |run, path| {
+                make_thick(run);
+                run.shape.source = picture(path, Some(Slices::default()));
+            },
+        },
+    )
+    .option_saying(
+        "--stack",
+        "FILE",
+        "Stack of pictures of the cell in depth (TIFF): fluorescence, a mask or labels; gives a thick cell",
+    ),
+    Setting::quantity(
+        "shape.z_step",
+        "Distance of two slices of a stack. What the file states are steps of the stage; through a dry objective the focus \
+         moves further.",
+        Bounds::any(Dimension::Length, "0.5 um")
+            .from(PixelSize::SMALLEST_UM)
+            .to(PixelSize::LARGEST_UM),
+        |run| run.shape.slices().and_then(|slices| slices.z_step),
+        |run, step| change_slices(run, |slices| slices.z_step = Some(step)),
+    )
+    .otherwise("the stack's own")
+    .option_saying("--z-step", "LENGTH", "Distance of two slices of a stack"),
+    Setting::new(
+        "shape.first_slice",
+        "Where the first slice of a stack lies: bottom, where the cell stands on its support, or top.",
+        ValueKind::Words {
+            words: FirstSlice::WORDS,
+            get: |run| run.shape.slices().map(|slices| slices.first.word()),
+            set: |run, word| {
+                let first = FirstSlice::of_word(word)?;
+                change_slices(run, |slices| slices.first = first);
+                Some(())
+            },
+        },
+    )
+    .otherwise("bottom")
+    .option_saying("--first-slice", "PLACE", "Where the first slice of a stack lies: bottom or top"),
+    Setting::new(
+        "shape.stack_stain",
+        "What of the cell is bright in a stack.",
+        ValueKind::Words {
+            words: Stain::WORDS,
+            get: |run| run.shape.slices().map(|slices| slices.stain.word()),
+            set: |run, word| {
+                let stain = Stain::of_word(word)?;
+                change_slices(run, |slices| slices.stain = stain);
+                Some(())
+            },
+        },
+    )
+    .otherwise("auto")
+    .option_saying("--stack-stain", "STAIN", "What of the cell is bright in a stack: auto, filled or membrane"),
     Setting::new(
         "shape.outline",
         "Outline of the cell: GeoJSON (.geojson, .json), points in um (.csv), ImageJ's .roi or \
@@ -174,7 +242,9 @@ pub(super) const ROWS: &[Setting] = &[
          [material], and what a picture does not show of it is assumed.",
         ValueKind::Words {
             words: ProfileName::WORDS,
-            get: |run| Some(ProfileName::of(run.shape.form).word()),
+            get: |run| {
+                run.shape.slices().is_none().then(|| ProfileName::of(run.shape.form).word())
+            },
             set: set_profile,
         },
     )
@@ -196,16 +266,43 @@ pub(super) const ROWS: &[Setting] = &[
     .option("--spacing", "LENGTH"),
 ];
 
+/// The file of the picture, or of the stack.
+fn path(run: &Run, of_stack: bool) -> Option<String> {
+    let picture = run.shape.source.picture()?;
+    (picture.slices.is_some() == of_stack).then(|| picture.path.clone())
+}
+
+fn picture(path: String, slices: Option<Slices>) -> Source {
+    Source::Picture(Box::new(PictureSource {
+        path,
+        outline: None,
+        options: PictureOptions::default(),
+        choice: Choice::Largest,
+        allow_cut: false,
+        slices,
+    }))
+}
+
+fn change_slices(run: &mut Run, change: impl FnOnce(&mut Slices)) {
+    if let Some(slices) = run.shape.source.picture_mut().and_then(|it| it.slices.as_mut()) {
+        change(slices);
+    }
+}
+
 /// A thick cell moves along its equilibria unless stated, and its material is that of a solid.
+fn make_thick(run: &mut Run) {
+    if !run.shape.is_thick() {
+        run.material = of_thick_cell(run.material.clone());
+        run.numerics.method = Method::QuasiStatic;
+    }
+}
+
 fn set_profile(run: &mut Run, word: &str) -> Option<()> {
     let Some(profile) = ProfileName::of_word(word)?.profile() else {
         run.shape.form = None;
         return Some(());
     };
-    if run.shape.form.is_none() {
-        run.material = of_thick_cell(run.material.clone());
-        run.numerics.method = Method::QuasiStatic;
-    }
+    make_thick(run);
     run.shape.form = Some(Form { profile, thickness: run.material.thickness });
     Some(())
 }
