@@ -32,8 +32,10 @@ ROWS = table()
 
 # Settings of the tables that say what the cell is, and those that make it what a constructor of `Cell` says it is.
 OF_CELL = ("shape", "segmentation")
-IMAGE = {"label", "rotate_deg", "built_in", "picture"}
-OUTLINE = ("pixel_size_um", "cell", "label", "rotate_deg", "spacing_um", "any_size")
+IMAGE = {"label", "rotate_deg", "built_in", "picture", "stack", "z_step_um", "first_slice", "stack_stain"}
+# How thick it is, too, which a flat cell needs for its beat alone.
+THICK = ("profile", "thickness_um")
+OUTLINE = ("pixel_size_um", "cell", "label", "rotate_deg", "spacing_um", "any_size", *THICK)
 # Without a mesh nothing else has a place.
 OF_POTENTIAL = (
     "model", "parameters", "variables", "myofilaments", "cell_integrator", "cell_step_ms", "cell_tolerance",
@@ -56,12 +58,12 @@ def of_beat() -> list[dict[str, Any]]:
 
 def of_image() -> list[dict[str, Any]]:
     rows = [row for row in ROWS if row["table"] in OF_CELL and row["name"] not in IMAGE]
-    return [row for row in rows if row["key"] != "shape.outline"]
+    return [row for row in rows if row["key"] != "shape.outline"] + chosen(("thickness_um",))
 
 
 def of_mask() -> list[dict[str, Any]]:
     names = ("pixel_size_um", "label", "cell", "seed", "channel", "frame", "z", "min_area_um2", "max_area_um2",
-             "allow_cut", "spacing_um", "any_size")
+             "allow_cut", "spacing_um", "any_size", *THICK)
     return chosen(names)
 
 
@@ -138,7 +140,7 @@ SETS = {
     "film": [row for row in of_image() if row["name"] not in ("pixel_size_um", "cell", "seed")],
     "mask": of_mask(),
     "outline": chosen(OUTLINE),
-    "built_in": chosen(("rotate_deg", "spacing_um")),
+    "built_in": chosen(("rotate_deg", "spacing_um", *THICK)),
     "model": chosen(OF_POTENTIAL[:2]),
     "potential": chosen(OF_POTENTIAL[2:]),
     "model_and_potential": chosen(OF_POTENTIAL),

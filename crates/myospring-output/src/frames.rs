@@ -14,10 +14,12 @@
 //! | `fibre` | triangles, 2 | unit vector along the fibre at rest |
 //! | `content` | triangles | content of myofibrils; only if it is not uniform |
 //! | `tension_by_triangle_kPa` | frames, triangles | only if the tension is not uniform |
+//! | `positions_in_space_um`, `rest_in_space_um`, `cubes` | frames, points, 3; points, 3; cubes, 8 | of a thick cell ([`in_space`]) |
 //! | `outline_um` | points, 2 | the outline that was meshed, at rest |
 //! | `outline_ring` | points | ring to which each point belongs: 0 the cell's rim, others its holes |
 
 use super::npz::{self, Array, NpzError};
+use myospring_core::mesh::cubes;
 use myospring_core::mesh::outline::Outline;
 use myospring_core::mesh::{Lattice, Mesh, Simplex};
 use myospring_core::recording::{Frame, Recording};
@@ -106,6 +108,29 @@ pub fn to_npz_with(
     }
     arrays.extend(more);
     npz::to_bytes(&arrays)
+}
+
+/// The arrays of a thick cell: `positions_in_space_um` (frames, points, 3), `rest_in_space_um` (points, 3) and `cubes` (cubes, 8), whose
+/// corners are numbered by x, then y, then z.
+pub fn in_space(mesh: &Mesh<3, 4>, recording: &Recording) -> Vec<(&'static str, Array)> {
+    let points = mesh.len();
+    let triples = |positions: &[Vec<f64>; 3]| -> Vec<f64> {
+        (0..points).flat_map(|at| positions.each_ref().map(|axis| axis[at])).collect()
+    };
+    let frames = &recording.in_space;
+    let moved = frames.iter().flat_map(|frame| triples(&frame.positions));
+    let corners: Vec<[u32; 8]> = cubes::corners(mesh).collect();
+    vec![
+        ("positions_in_space_um", Array::floats([frames.len(), points, 3], moved)),
+        ("rest_in_space_um", Array::floats([points, 3], triples(&mesh.points))),
+        (
+            "cubes",
+            Array::whole(
+                [corners.len(), 8],
+                corners.into_iter().flat_map(|cube| cube.map(u32::cast_signed)),
+            ),
+        ),
+    ]
 }
 
 /// Content of `frames.npz`: a mesh without springs, enough to draw it, and its frames.

@@ -19,6 +19,7 @@ use myospring::settings::{MeshedRun, Run};
 use myospring::simulation::{Effort, Outcome, StopReason};
 use myospring::study::sha256;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use serde::{Deserialize, Serialize};
@@ -108,6 +109,14 @@ pub(crate) fn beat(
 /// The run of a run file and its simulation on a cell.
 pub(crate) fn make(py: Python<'_>, cell: &Inner, file: &RunFile) -> PyResult<(Run, MeshedRun)> {
     let mut run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
+    let of_cell = cell.file.resolve().map_err(|error| errors::of_settings(py, &error))?;
+    if run.shape.form != of_cell.shape.form {
+        let meshed = of_cell.material.thickness;
+        let text = format!(
+            "`thickness_um`: the thick cell was meshed with {meshed} um; give the thickness where the cell is made"
+        );
+        return Err(PyValueError::new_err(text));
+    }
     let made = interruptible(py, |interruption| {
         let run = run.clone().interrupted_by(interruption);
         run.make(cell.shaped.clone(), |path| cell.read(path))
@@ -138,6 +147,25 @@ impl Beat {
 
 #[pymethods]
 impl Beat {
+    /// Positions of all points of a thick cell in each frame, um: (frames, points, 3); `None` of a flat one.
+    #[getter]
+    fn positions_in_space<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Option<Bound<'py, PyArray3<f64>>>> {
+        let frames = &self.beaten.outcome.recording.in_space;
+        let Some(points) = frames.first().map(|frame| frame.positions[0].len()) else {
+            return Ok(None);
+        };
+        let mut flat = Vec::with_capacity(3 * points * frames.len());
+        for Frame { positions: [x, y, z], .. } in frames {
+            for point in 0..points {
+                flat.extend([x[point], y[point], z[point]]);
+            }
+        }
+        PyArray1::from_vec(py, flat).reshape([frames.len(), points, 3]).map(Some)
+    }
+
     /// The cell that beat.
     #[getter]
     fn cell(&self) -> Cell {

@@ -99,13 +99,28 @@ def test_a_beat_has_every_metric_there_is_but_those_of_held_ends_s2_and_own_rhyt
     held = myospring.simulate(cell, integrator="quasi-static", support="clamped-ends", s2_interval_ms=500)
     gel = {"peak_traction_force", "time_to_peak_traction_force", "traction_relaxation_time_50",
            "peak_axial_force", "peak_contractile_moment", "peak_gel_energy"}
-    assert set(held.metrics) == set(myospring.METRICS) - rhythm - gel
+    thick = {"thickness_at_rest", "peak_thickening", "volume_change", "top_shortening", "bottom_shortening"}
+    assert set(held.metrics) == set(myospring.METRICS) - rhythm - gel - thick
     assert held.metrics["coupling_interval"] == 500
     free = {"end_force_at_rest", "peak_end_force", "time_to_peak_end_force", "end_systolic_force",
             "end_systolic_length", "time_to_end_systole", "work_on_load"}
     alone = {"coupling_interval", "diastolic_interval", "relative_peak_tension", "relative_peak_shortening"}
-    assert set(beat.metrics) == set(myospring.METRICS) - free - alone - rhythm - gel
+    assert set(beat.metrics) == set(myospring.METRICS) - free - alone - rhythm - gel - thick
     assert 1000 < held.metrics["peak_end_force"] < 20000
+
+
+def test_a_thick_cell_thickens_as_it_shortens_and_keeps_its_volume(beat):
+    made = myospring.Cell.builtin(profile="dome", thickness_um=8, spacing_um=2)
+    thick = myospring.simulate(made)
+    assert abs(thick.metrics["peak_shortening"] - 12.0) < 0.05
+    assert abs(thick.metrics["peak_thickening"] - 6.43) < 0.05
+    assert abs(thick.metrics["volume_change"]) < 0.5
+    points = thick.positions_in_space
+    assert points.shape[0] == thick.frame_t_ms.size and points.shape[2] == 3
+    assert points[0, :, 2].min() == 0 and abs(points[0, :, 2].max() - 8) < 1e-9
+    assert beat.positions_in_space is None
+    with pytest.raises(ValueError, match="meshed with 8 um"):
+        myospring.simulate(made, thickness_um=6)
 
 
 def test_a_cell_pulls_on_its_gel_with_the_forces_that_its_curves_add_up(cell, beat):

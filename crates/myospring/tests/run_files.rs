@@ -111,6 +111,12 @@ fn every_commented_key_of_the_template_is_valid_where_it_stands() {
         "pixel_size",
         "label",
         "outline",
+        "stack",
+        "z_step",
+        "first_slice",
+        "stack_stain",
+        "poisson_ratio",
+        "helix_angle",
         "sarcomere_length",
         "sarcomere_reference",
         "afterload",
@@ -155,7 +161,7 @@ fn defaults_are_those_of_the_simulation() {
     let usual = Simulation::new(mesh());
     let fibres = usual.fibres.clone();
     let places = Places { fibres, myofibril_content: None, resting_stretch: None, adhesion: None };
-    let made = run.simulation(mesh(), places);
+    let made = run.simulation(mesh(), None, places);
     let of = |simulation: &Simulation| {
         let Simulation { protocol, material, active, support, numerics, .. } = simulation;
         let Simulation { peak_tension, end_stretch, duration, .. } = simulation;

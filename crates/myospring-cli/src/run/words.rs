@@ -15,7 +15,7 @@ use std::path::Path;
 const LENGTHENING: &str = "peak_lengthening";
 
 /// Rows of the table after a run: metric and its name for people.
-pub(crate) const ROWS: [(&str, &str); 24] = [
+pub(crate) const ROWS: [(&str, &str); 28] = [
     ("peak_tension", "peak tension"),
     ("time_to_peak_tension", "time to peak tension, from stimulus"),
     ("resting_length", "resting length"),
@@ -31,6 +31,10 @@ pub(crate) const ROWS: [(&str, &str); 24] = [
     ("width_change_at_peak", "width change at peak"),
     ("isovolumic_width_change", "  that would keep the volume"),
     ("area_change_at_peak", "projected area change at peak"),
+    ("peak_thickening", "thickening, largest"),
+    ("volume_change", "volume change, largest"),
+    ("top_shortening", "shortening of the upper face, largest"),
+    ("bottom_shortening", "  of the lower face"),
     ("peak_end_force", "peak force at the ends"),
     ("time_to_end_systole", "time to end of systole, from stimulus"),
     ("work_on_load", "work on the load"),

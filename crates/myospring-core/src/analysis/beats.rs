@@ -161,8 +161,18 @@ pub fn known(in_mv: bool) -> Vec<Metric> {
     let still = Sample { u: Some(0.0), vm_mv: in_mv.then_some(0.0), ..Sample::STILL };
     // Names of metrics do not depend on the recording.
     let signal = |name: &str| Signal { name: name.into(), unit: String::new(), values: vec![0.0] };
-    let held = [END_FORCE, TRACTION_FORCE, AXIAL_FORCE, CONTRACTILE_MOMENT, GEL_ENERGY];
-    let signals = held.map(signal).to_vec();
+    let told = [
+        END_FORCE,
+        TRACTION_FORCE,
+        AXIAL_FORCE,
+        CONTRACTILE_MOMENT,
+        GEL_ENERGY,
+        THICKNESS,
+        VOLUME,
+        LENGTH_TOP,
+        LENGTH_BOTTOM,
+    ];
+    let signals = told.map(signal).to_vec();
     let recording = Recording { samples: vec![still], signals, ..Recording::default() };
     let Beats { list, energy, .. } = Beats::of(&recording, &[0.0], None);
     let of_beat = list.iter().flat_map(Beat::metrics).cloned();

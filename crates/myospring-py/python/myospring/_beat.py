@@ -98,6 +98,12 @@ class Beat:
         return _fixed(self._native.positions)
 
     @cached_property
+    def positions_in_space(self) -> NDArray[np.float64] | None:
+        """Positions of all points of a thick cell in each recorded shape, um, of shape (frames, points, 3); None of a flat one."""
+        positions = self._native.positions_in_space
+        return None if positions is None else _fixed(positions)
+
+    @cached_property
     def forces_on_gel(self) -> NDArray[np.float64] | None:
         """Force of each mass on the gel in each recorded shape, nN, of shape (frames, nodes, 2); None without a gel."""
         forces = self._native.forces_on_gel

@@ -7,9 +7,10 @@ use myospring::units::{self, Dimension};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-/// Settings of what a mask, a picture or a table of calcium shows.
-const OF_FILES: [&str; 5] = [
+/// Settings of what a mask, a picture, a stack or a table of calcium shows.
+const OF_FILES: [&str; 6] = [
     "shape.label",
+    "shape.z_step",
     "mechanics.sarcomere_reference",
     "cell.calcium_dissociation",
     "cell.ratio_min",
@@ -40,6 +41,7 @@ fn with_place(setting: &Setting) -> RunFile {
         | "mechanics.adhesion_stiffness" => {
             &[("mechanics.support", "gel"), ("mechanics.gel_modulus", "10 kPa")]
         }
+        "material.poisson_ratio" | "mechanics.helix_angle" => &[("shape.profile", "slab")],
         "mechanics.end_stretch" => &[("mechanics.support", "clamped-ends")],
         _ => &[],
     };
