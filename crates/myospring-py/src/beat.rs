@@ -373,8 +373,8 @@ impl Beat {
         let (run, made) = make(py, &cell.0, &file)?;
         let recording = Recording {
             samples: state.samples,
-            frames: frames.collect(),
-            in_space: state.in_space,
+            frames: state.frames.into_iter().map(frame).collect(),
+            in_space: state.in_space.into_iter().map(frame).collect(),
             signals: state.signals,
         };
         let outcome = Outcome {

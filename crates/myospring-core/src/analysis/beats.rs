@@ -7,8 +7,8 @@ use super::rows::{recorded, row};
 use super::spontaneous::{self, Upstrokes};
 use super::{Metric, Missing, Spread, beat_to_beat, s2};
 use crate::recording::{
-    AXIAL_FORCE, CONTRACTILE_MOMENT, END_FORCE, GEL_ENERGY, Recording, Sample, Signal,
-    TRACTION_FORCE,
+    AXIAL_FORCE, CONTRACTILE_MOMENT, END_FORCE, GEL_ENERGY, LENGTH_BOTTOM, LENGTH_TOP, Recording,
+    Sample, Signal, THICKNESS, TRACTION_FORCE, VOLUME,
 };
 use std::ops::Deref;
 

@@ -115,7 +115,7 @@ pub fn myofilament_material() -> Material {
 /// The modulus of the default material of a flat cell times 348.6/308: the modulus of a block of Poisson's ratio 0.49 over that of a
 /// sheet, both fitted to that shortening. A stated spring stiffness stays.
 #[must_use]
-pub fn of_thick_cell(material: Material) -> Material {
+pub fn of_thick_cell(material: &Material) -> Material {
     const STIFFER: f64 = 348.6 / 308.0;
     let stiffness = match material.stiffness {
         // Rounded to one decimal.
@@ -124,7 +124,7 @@ pub fn of_thick_cell(material: Material) -> Material {
         }
         Stiffness::Spring(spring) => Stiffness::Spring(spring),
     };
-    Material { stiffness, ..material }
+    Material { stiffness, ..material.clone() }
 }
 
 impl Material {

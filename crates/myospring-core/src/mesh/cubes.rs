@@ -37,7 +37,7 @@ const TETRAHEDRA: [[usize; 4]; TETRAHEDRA_OF_A_CUBE] = [
 
 /// The directions of springs, in steps along x, y and z: three of sides, six of face diagonals. None leads to an earlier
 /// layer, or to an earlier row of a layer.
-const DIRECTIONS: [[i64; 3]; 9] = [
+const DIRECTIONS: [[isize; 3]; 9] = [
     [1, 0, 0],
     [0, 1, 0],
     [0, 0, 1],
@@ -152,8 +152,8 @@ pub fn filled(grid: &Grid, filled: &[bool]) -> Result<Mesh<3, 4>, MeshError> {
         for a in 0..CORNERS {
             for (direction, step) in DIRECTIONS.iter().enumerate() {
                 let offset = [a & 1, a >> 1 & 1, a >> 2 & 1];
-                let to: [i64; 3] = std::array::from_fn(|axis| offset[axis] as i64 + step[axis]);
-                if to.iter().all(|to| (0..=1).contains(to)) {
+                let to = |axis: usize| offset[axis].checked_add_signed(step[axis]);
+                if (0..3).all(|axis| to(axis).is_some_and(|to| to <= 1)) {
                     shared[number[corner(cube, a)] as usize][direction] += 1;
                 }
             }
@@ -171,7 +171,9 @@ pub fn filled(grid: &Grid, filled: &[bool]) -> Result<Mesh<3, 4>, MeshError> {
         for (node, cell) in cells.iter().enumerate() {
             let sharing = shared[node][direction];
             if sharing > 0 {
-                let to = std::array::from_fn(|axis| (i64::from(cell[axis]) + step[axis]) as usize);
+                let to = std::array::from_fn(|axis| {
+                    (cell[axis] as usize).wrapping_add_signed(step[axis])
+                });
                 let nodes = [node as u32, number[at(to)]];
                 springs.push(Spring { nodes, kind, share: part * f64::from(sharing) });
             }

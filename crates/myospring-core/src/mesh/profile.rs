@@ -147,22 +147,17 @@ fn poisson(inside: &[f64], columns: usize) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Squares inside an ellipse of these half axes, in squares.
-    fn ellipse(a: f64, b: f64) -> (Vec<f64>, usize, Box<dyn Fn(usize) -> f64>) {
-        let (columns, rows) = (2 * a.ceil() as usize + 2, 2 * b.ceil() as usize + 2);
-        let rule = move |at: usize| {
-            let x = (at % columns) as f64 + 0.5 - 0.5 * columns as f64;
-            let y = (at / columns) as f64 + 0.5 - 0.5 * rows as f64;
-            1.0 - (x / a).powi(2) - (y / b).powi(2)
-        };
-        let inside = (0..columns * rows).map(|at| f64::from(u8::from(rule(at) > 0.0))).collect();
-        (inside, columns, Box::new(rule))
-    }
-
     #[test]
     fn an_ellipse_becomes_an_ellipsoid() {
         let (a, b) = (60.0, 16.0);
-        let (inside, columns, rule) = ellipse(a, b);
+        let (columns, rows) = (122, 34_u32);
+        let rule = |at: usize| {
+            let x = (at % columns) as f64 + 0.5 - 0.5 * columns as f64;
+            let y = (at / columns) as f64 + 0.5 - 0.5 * f64::from(rows);
+            1.0 - (x / a).powi(2) - (y / b).powi(2)
+        };
+        let squares = columns * rows as usize;
+        let inside: Vec<f64> = (0..squares).map(|at| f64::from(u8::from(rule(at) > 0.0))).collect();
         let phi = poisson(&inside, columns);
         let most = phi.iter().copied().fold(0.0, f64::max);
         // On the ellipse phi = (1 - x^2/a^2 - y^2/b^2) / (1/a^2 + 1/b^2).

@@ -49,7 +49,7 @@ pub struct Thick {
 
 impl Thick {
     /// The mean over each column of points, weighted by their volumes: positions in the plane of the flat mesh, um.
-    pub fn from_above(&self, positions: &[Vec<f64>; 3]) -> [Vec<f64>; 2] {
+    pub fn seen_from_above(&self, positions: &[Vec<f64>; 3]) -> [Vec<f64>; 2] {
         let mean = |axis: usize, column: &Vec<u32>| {
             let weight = |node: &u32| self.mesh.areas[*node as usize];
             let sum = column.iter().map(|node| weight(node) * positions[axis][*node as usize]);

@@ -172,7 +172,7 @@ where
             ta_kpa: tension,
             ta_by_triangle_kpa: by_element.map(|tension| simulation.by_triangle(tension)),
             on_gel_nn: on_gel.map(|pulls| simulation.added_from_above(pulls)),
-            positions: simulation.from_above(&positions).into_owned(),
+            positions: simulation.seen_from_above(&positions).into_owned(),
         };
         (frame, in_space)
     }

@@ -518,7 +518,7 @@ impl<const D: usize> Curve<D> {
             quantities[..LOADS].copy_from_slice(&[
                 extent.length,
                 extent.width,
-                projected_area(&simulation.mesh, &simulation.from_above(&positions)),
+                projected_area(&simulation.mesh, &simulation.seen_from_above(&positions)),
                 system.own_energy(&at) + outside,
                 0.0,
                 energy(&positions, 1.0),

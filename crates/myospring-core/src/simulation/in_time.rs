@@ -258,7 +258,7 @@ where
         Observed {
             length: extent.length,
             width: extent.width,
-            area: projected_area(&simulation.mesh, &simulation.from_above(&body.positions)),
+            area: projected_area(&simulation.mesh, &simulation.seen_from_above(&body.positions)),
             elastic_energy: assembly.system.elastic_energy(&at),
             kinetic_energy: body.kinetic_energy(),
             active_work: self.ledger.active_work,

@@ -41,7 +41,7 @@ pub(super) trait Space<const D: usize, const N: usize> {
     fn thickness(&self) -> Option<ThicknessMeter>;
 
     /// Positions of the nodes of the cell as it is seen from above.
-    fn from_above<'a>(&self, positions: &'a Vectors<D>) -> Cow<'a, Vectors>;
+    fn seen_from_above<'a>(&self, positions: &'a Vectors<D>) -> Cow<'a, Vectors>;
 
     /// Forces on the nodes of the cell as it is seen from above: the sums over those above each.
     fn added_from_above(&self, forces: Vectors<D>) -> Vectors;
@@ -91,7 +91,7 @@ impl Space<2, 3> for Simulation {
         None
     }
 
-    fn from_above<'a>(&self, positions: &'a Vectors) -> Cow<'a, Vectors> {
+    fn seen_from_above<'a>(&self, positions: &'a Vectors) -> Cow<'a, Vectors> {
         Cow::Borrowed(positions)
     }
 
@@ -213,8 +213,8 @@ impl Space<3, 4> for Simulation {
         Some(ThicknessMeter::new(self.thick(), &self.mesh, self.long_axis))
     }
 
-    fn from_above<'a>(&self, positions: &'a Vectors<3>) -> Cow<'a, Vectors> {
-        Cow::Owned(self.thick().from_above(positions))
+    fn seen_from_above<'a>(&self, positions: &'a Vectors<3>) -> Cow<'a, Vectors> {
+        Cow::Owned(self.thick().seen_from_above(positions))
     }
 
     fn added_from_above(&self, forces: Vectors<3>) -> Vectors {

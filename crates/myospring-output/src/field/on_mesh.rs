@@ -301,7 +301,7 @@ fn norm<const D: usize>(vector: [f64; D]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use myospring_core::mesh::{bar, lattice};
+    use myospring_core::mesh::{cubes, lattice};
 
     fn moved(mesh: &Mesh, map: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
         let both = mesh.points[0].iter().zip(&mesh.points[1]).map(|(&x, &y)| map(x, y));

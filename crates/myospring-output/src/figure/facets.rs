@@ -135,7 +135,7 @@ pub(super) fn outline(facets: &[Facet]) -> Vec<Vec<u32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use myospring_core::mesh::{Lattice, bar};
+    use myospring_core::mesh::{Lattice, cubes};
 
     /// Two squares of side 2 beside each other.
     fn mesh() -> Mesh {

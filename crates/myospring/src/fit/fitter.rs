@@ -360,10 +360,10 @@ impl Fitter {
         let train = Train { before, beats: stimuli.len(), cycle_ms: cycle };
         let up_to = (MARGIN * up_to).clamp(0.02, 0.8);
         let contraction = Contraction::new(&simulation, unknowns, &train, up_to, &self.shelf)?;
-        if let Scale::Load(load) = observed.scale {
-            if contraction.load(load, 1.0, 0.0).is_none() {
-                return Err(FitError::NoLoad { name: observed.name, load });
-            }
+        if let Scale::Load(load) = observed.scale
+            && contraction.load(load, 1.0, 0.0).is_none()
+        {
+            return Err(FitError::NoLoad { name: observed.name, load });
         }
         let (used, scale_error) = (vec![true; frames.values.len()], curve.scale_error);
         Ok(Source { observed, frames, contraction, used, cycle, scale_error })

@@ -19,7 +19,7 @@ fn cell(outline: &Outline, form: Form, spacing: f64) -> Simulation {
     let (mesh, thick, _) = thick::from_outline(outline, form, Some(spacing)).unwrap();
     let mut simulation = Simulation::new(mesh);
     simulation.thick = Some(Arc::new(thick));
-    simulation.material = of_thick_cell(default_material());
+    simulation.material = of_thick_cell(&default_material());
     simulation.numerics.method = Method::QuasiStatic;
     simulation
 }

@@ -28,7 +28,7 @@ fn an_ellipse_becomes_an_ellipsoid_and_a_dome_of_its_volume() {
             assert_eq!(thick.squares.len(), of.cubes);
             assert_eq!(thick.columns.iter().map(Vec::len).sum::<usize>(), thick.mesh.len());
             // Seen from above, each point is where the flat mesh has it.
-            let seen = thick.from_above(&thick.mesh.points);
+            let seen = thick.seen_from_above(&thick.mesh.points);
             for axis in 0..2 {
                 for (a, b) in seen[axis].iter().zip(&above.points[axis]) {
                     assert!((a - b).abs() < 1e-9);

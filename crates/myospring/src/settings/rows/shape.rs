@@ -292,7 +292,7 @@ fn change_slices(run: &mut Run, change: impl FnOnce(&mut Slices)) {
 /// A thick cell moves along its equilibria unless stated, and its material is that of a solid.
 fn make_thick(run: &mut Run) {
     if !run.shape.is_thick() {
-        run.material = of_thick_cell(run.material.clone());
+        run.material = of_thick_cell(&run.material);
         run.numerics.method = Method::QuasiStatic;
     }
 }
