@@ -14,10 +14,10 @@ use super::observer::{Progress, RunObserver, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::Setup;
 use super::space::Space;
-use super::{Ready, SettingError, SetupError, Simulation, StopReason};
+use super::{SettingError, Simulation, StopReason};
 use crate::cell::tension::lag::Lag;
 use crate::exchange::Sites;
-use crate::integrate::quasi_static::{PathError, Shapes, Tolerance};
+use crate::integrate::quasi_static::{PathError, Shapes};
 use crate::mechanics::{Tension, Vectors};
 use crate::recording::Recording;
 
@@ -25,46 +25,6 @@ use crate::recording::Recording;
 pub struct PreparedPath<const D: usize = 2, const N: usize = 3> {
     pub(super) setup: Setup<D, N>,
     pub(super) equilibria: Equilibria<D, N>,
-}
-
-impl Simulation {
-    /// Solves the path of equilibria up to the peak of a tension that is the same everywhere; time
-    /// step and method of the numerical settings are not used.
-    ///
-    /// # Errors
-    /// An invalid setting, forces without such a path, or a cell model without tension. A path that
-    /// ends before the peak is not an error; see [`Ready::end`].
-    pub fn prepare_quasi_static(&self, tolerance: Tolerance) -> Result<Ready, SetupError> {
-        self.shared_path(tolerance)?.prepare(self)
-    }
-
-    /// Runs along the path of equilibria, to the end or to the first fault. `observe` is called at
-    /// each recorded sample and stops the run by returning `false`.
-    ///
-    /// # Errors
-    /// Those of [`Simulation::prepare_quasi_static`]. A path that ends before the largest tension
-    /// of the run is not an error but a [`StopReason`].
-    ///
-    /// # Example
-    /// ```
-    /// use myospring::integrate::quasi_static::Tolerance;
-    /// use myospring::mesh::lattice;
-    /// use myospring::simulation::Simulation;
-    ///
-    /// let simulation = Simulation::new(lattice::rectangle(20, 4, 5.0)?);
-    /// let outcome = simulation.run_quasi_static(Tolerance::default(), |_progress| true)?;
-    /// assert!(outcome.stop.is_none());
-    /// let peak = outcome.recording.samples.iter().map(|s| s.shortening_pct).fold(0.0, f64::max);
-    /// assert!((peak - 12.0).abs() < 0.1);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn run_quasi_static(
-        &self,
-        tolerance: Tolerance,
-        observe: impl FnMut(Progress) -> bool,
-    ) -> Result<Outcome, SetupError> {
-        Ok(self.prepare_quasi_static(tolerance)?.run(observe))
-    }
 }
 
 impl<const D: usize, const N: usize> Setup<D, N> {

@@ -4,7 +4,7 @@ use super::chart::Chart;
 use super::display::Display;
 use super::error::PageError;
 use super::fields::{self, FieldData};
-use super::frames::{self, Candidate, Fitted, packed};
+use super::frames::{self, Candidate, Fitted, UNSEEN, packed};
 use super::photograph::{self, Photograph, PictureData};
 use super::thick::{self, ThickCell, ThickData};
 use crate::digits::rounded;
@@ -19,9 +19,6 @@ use serde::Serialize;
 const BUDGET: usize = 1_400_000;
 /// Masses of a lattice that is drawn square by square; of larger ones several squares are drawn as one.
 const FINE: usize = 4000;
-/// Largest invisible error, as a part of the longer side of the cell: a quarter of a pixel in a
-/// thousand.
-pub(super) const UNSEEN: f64 = 1.0 / 4000.0;
 
 /// Cells that beat, with the curves that go with them.
 #[derive(Debug, Clone)]

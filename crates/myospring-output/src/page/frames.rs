@@ -3,6 +3,10 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
+/// Largest invisible error, as a part of the longer side of the cell: a quarter of a pixel in a
+/// thousand.
+pub(super) const UNSEEN: f64 = 1.0 / 4000.0;
+
 /// Largest number of frames between two that are kept, if they fit.
 const LONGEST: usize = 12;
 

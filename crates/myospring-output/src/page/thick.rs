@@ -1,9 +1,8 @@
 //! A thick cell that turns: its surface, reduced to the accuracy that is visible.
 
-use super::cell::UNSEEN;
 use super::error::PageError;
 use super::fields::{self, FieldData};
-use super::frames::{self, Candidate, Fitted, packed};
+use super::frames::{self, Candidate, Fitted, UNSEEN, packed};
 use crate::digits::rounded;
 use crate::field::{Field, Fields};
 use crate::figure::{FigureError, check_frame, check_mesh};

@@ -108,7 +108,7 @@ impl Contraction {
         }
     }
 
-    /// What the cell does to its support up to a shortening, by name ([`TensionResponse::load`](crate::simulation::equilibria::TensionResponse::load));
+    /// What the cell does to its support up to a shortening, by name ([`TensionResponse::load`]);
     /// `None` if the support has no such load.
     pub(super) fn load(&self, name: &str, stiffness: f64, most: f64) -> Option<SupportLoad> {
         let tables = match self {

@@ -49,5 +49,6 @@ mod sarcomeres;
 mod segmentation;
 mod shape_report;
 mod skipped;
+mod stacks;
 mod touching;
 mod warped;

@@ -5,6 +5,7 @@ use myospring::analysis::value;
 use myospring::integrate::quasi_static::Tolerance;
 use myospring::integrate::verlet::Integrator;
 use myospring::integrate::{Method, engine::Loops};
+use myospring::mechanics::gel::Gel;
 use myospring::mechanics::material::{Material, Stiffness, default_material, of_thick_cell};
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::built_in;
@@ -199,4 +200,66 @@ fn supports_that_hold_ends_and_contents_by_place_serve_a_thick_cell() {
     simulation.myofibril_content = None;
     simulation.peak_tension = 25.0;
     assert!((peak(&simulation) - half).abs() < 1e-3, "{half}");
+}
+
+/// Largest force along the axis on a gel of this modulus, nN, and the last forces in space.
+fn on_gel(simulation: &Simulation, gel: Gel) -> (f64, Outcome) {
+    let simulation = Simulation { support: SupportKind::Gel(gel), ..simulation.clone() };
+    let outcome = beaten(&simulation);
+    (outcome.beats()[0].value("peak_axial_force").unwrap(), outcome)
+}
+
+#[test]
+fn a_gel_under_a_thick_cell_feels_no_resultant_and_holds_it_between_free_and_fixed() {
+    let mut simulation = block();
+    simulation.peak_tension = 5.0;
+    simulation.duration = 250.0;
+    let free = peak(&simulation);
+    let (_, soft) = on_gel(&simulation, Gel::half_space(1e-3));
+    assert!((soft.beats()[0].value("peak_shortening").unwrap() / free - 1.0).abs() < 2e-3);
+    let forces: Vec<f64> = [1.0, 10.0, 100.0, 1e4]
+        .map(|modulus| {
+            let (force, outcome) = on_gel(&simulation, Gel::half_space(modulus));
+            let frames = &outcome.recording.in_space;
+            let strongest = frames.iter().max_by(|a, b| a.ta_kpa.total_cmp(&b.ta_kpa)).unwrap();
+            let pulls = strongest.on_gel_nn.as_ref().unwrap();
+            for axis in pulls {
+                let (sum, size) =
+                    axis.iter().fold((0.0, 0.0), |(sum, size), f| (sum + f, size + f64::abs(*f)));
+                assert!(sum.abs() < 1e-6 * size, "{modulus} kPa: {sum} of {size} nN");
+            }
+            // Seen from above the same forces act.
+            let flat = outcome.recording.frames.iter().find(|frame| frame.t_ms == strongest.t_ms);
+            let flat = flat.unwrap().on_gel_nn.as_ref().unwrap();
+            assert!((flat[0].iter().sum::<f64>() - pulls[0].iter().sum::<f64>()).abs() < 1e-9);
+            force
+        })
+        .into();
+    assert!(forces.windows(2).all(|pair| pair[1] > pair[0]), "{forces:?}");
+    // On a stiff gel the lower face cannot shorten, and half of the cell pulls with what its tension does not spend above.
+    let (_, stiff) = on_gel(&simulation, Gel::half_space(1e5));
+    let beats = stiff.beats();
+    let of = |name: &str| beats[0].value(name).unwrap();
+    assert!(of("bottom_shortening") < 0.02 * of("top_shortening"));
+}
+
+#[test]
+fn a_thin_slab_pulls_on_its_gel_as_a_flat_cell_does() {
+    // One layer of cubes on a gel: as stiff in its plane as the sheet, which has Poisson's ratio 1/3 and its own area law.
+    let outline = rectangle(60.0, 16.0);
+    let (mesh, _) = myospring::mesh::lattice::from_outline(&outline, Some(2.0)).unwrap();
+    let mut flat = Simulation::new(mesh);
+    flat.numerics.method = Method::QuasiStatic;
+    flat.material.thickness = 2.0;
+    flat.peak_tension = 20.0;
+    flat.duration = 250.0;
+    let mut thin = cell(&outline, Form { profile: Profile::Slab, thickness: 2.0 }, 2.0);
+    thin.peak_tension = 20.0;
+    thin.duration = 250.0;
+    for modulus in [3.0, 30.0] {
+        let gel = Gel::half_space(modulus);
+        let (of_flat, of_thin) = (on_gel(&flat, gel).0, on_gel(&thin, gel).0);
+        // Both shorten alike when free; on a gel the thin cell is sheared through its thickness, too.
+        assert!((of_thin / of_flat - 1.0).abs() < 0.1, "{modulus} kPa: {of_thin}, {of_flat} nN");
+    }
 }
