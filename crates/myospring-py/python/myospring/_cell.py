@@ -88,6 +88,7 @@ class Cell:
         # <signature of image>
         pixel_size_um: float | None = None,
         any_size: bool = False,
+        profile: Literal["flat", "round", "dome", "slab"] = "flat",
         spacing_um: float | None = None,
         modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None = None,
         channel: int | None = None,
@@ -101,6 +102,7 @@ class Cell:
         max_area_um2: float | None = None,
         allow_cut: bool = False,
         outline: str | PathLike[str] | None = None,
+        thickness_um: float = 10.0,
         # </signature>
     ) -> Cell:
         """The cell of a picture from a microscope.
@@ -116,9 +118,14 @@ class Cell:
             Accepts a cell whose size is impossible for a heart cell: longer than 400 um, shorter
             than 15 um, or with an area outside of `min_area_um2` to `max_area_um2`. Such a size
             usually means a wrong pixel size.
+        profile : {"flat", "round", "dome", "slab"}, default "flat"
+            Section of the cell across its plane. A thick cell is made of cubes; its greatest
+            thickness is `thickness_um` in [material], and what a picture does not show of it is
+            assumed.
         spacing_um : float or None
             Distance between neighbouring masses. In um, above 0 um, at most 1000 um. None: such
-            that the cell has about 2000 of them.
+            that a flat cell has about 2000 of them, a thick one about 4000 and 4 cubes across its
+            thickness.
         modality : {"auto", "fluorescence", "brightfield", "mask"} or None
             How the picture was taken. None: auto.
         channel : int or None
@@ -154,6 +161,8 @@ class Cell:
         outline : str or PathLike[str] or None
             Outline of the cell drawn on the picture in another program, instead of segmentation:
             GeoJSON, ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt.
+        thickness_um : float, default 10.0
+            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
 
         Returns
         -------
@@ -182,6 +191,7 @@ class Cell:
         given = changed(
             ("shape.pixel_size", pixel_size_um, None),
             ("shape.any_size", any_size, False),
+            ("shape.profile", profile, "flat"),
             ("shape.spacing", spacing_um, None),
             ("segmentation.modality", modality, None),
             ("segmentation.channel", channel, None),
@@ -195,6 +205,7 @@ class Cell:
             ("segmentation.max_area", max_area_um2, None),
             ("segmentation.allow_cut", allow_cut, False),
             ("segmentation.outline", outline, None),
+            ("material.thickness", thickness_um, 10.0),
         )
         # </given>
         return cls._made({"shape.picture": path, **given}, arrays)
@@ -217,6 +228,8 @@ class Cell:
         allow_cut: bool = False,
         spacing_um: float | None = None,
         any_size: bool = False,
+        profile: Literal["flat", "round", "dome", "slab"] = "flat",
+        thickness_um: float = 10.0,
         # </signature>
     ) -> Cell:
         """The cell of a mask, or of a mask with labels.
@@ -255,11 +268,18 @@ class Cell:
             Accepts a cell although the frame of the picture cuts it.
         spacing_um : float or None
             Distance between neighbouring masses. In um, above 0 um, at most 1000 um. None: such
-            that the cell has about 2000 of them.
+            that a flat cell has about 2000 of them, a thick one about 4000 and 4 cubes across its
+            thickness.
         any_size : bool, default False
             Accepts a cell whose size is impossible for a heart cell: longer than 400 um, shorter
             than 15 um, or with an area outside of `min_area_um2` to `max_area_um2`. Such a size
             usually means a wrong pixel size.
+        profile : {"flat", "round", "dome", "slab"}, default "flat"
+            Section of the cell across its plane. A thick cell is made of cubes; its greatest
+            thickness is `thickness_um` in [material], and what a picture does not show of it is
+            assumed.
+        thickness_um : float, default 10.0
+            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
 
         Returns
         -------
@@ -296,6 +316,8 @@ class Cell:
             ("segmentation.allow_cut", allow_cut, False),
             ("shape.spacing", spacing_um, None),
             ("shape.any_size", any_size, False),
+            ("shape.profile", profile, "flat"),
+            ("material.thickness", thickness_um, 10.0),
         )
         # </given>
         given["segmentation.modality"] = "mask"
@@ -313,6 +335,8 @@ class Cell:
         rotate_deg: float = 0.0,
         spacing_um: float | None = None,
         any_size: bool = False,
+        profile: Literal["flat", "round", "dome", "slab"] = "flat",
+        thickness_um: float = 10.0,
         # </signature>
     ) -> Cell:
         """The cell within an outline.
@@ -334,11 +358,18 @@ class Cell:
             deg to 360 deg.
         spacing_um : float or None
             Distance between neighbouring masses. In um, above 0 um, at most 1000 um. None: such
-            that the cell has about 2000 of them.
+            that a flat cell has about 2000 of them, a thick one about 4000 and 4 cubes across its
+            thickness.
         any_size : bool, default False
             Accepts a cell whose size is impossible for a heart cell: longer than 400 um, shorter
             than 15 um, or with an area outside of `min_area_um2` to `max_area_um2`. Such a size
             usually means a wrong pixel size.
+        profile : {"flat", "round", "dome", "slab"}, default "flat"
+            Section of the cell across its plane. A thick cell is made of cubes; its greatest
+            thickness is `thickness_um` in [material], and what a picture does not show of it is
+            assumed.
+        thickness_um : float, default 10.0
+            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
 
         Returns
         -------
@@ -375,6 +406,8 @@ class Cell:
             ("shape.rotate", rotate_deg, 0.0),
             ("shape.spacing", spacing_um, None),
             ("shape.any_size", any_size, False),
+            ("shape.profile", profile, "flat"),
+            ("material.thickness", thickness_um, 10.0),
         )
         # </given>
         return cls._made({"shape.outline": path, **given}, arrays)
@@ -387,6 +420,8 @@ class Cell:
         # <signature of built_in>
         rotate_deg: float = 0.0,
         spacing_um: float | None = None,
+        profile: Literal["flat", "round", "dome", "slab"] = "flat",
+        thickness_um: float = 10.0,
         # </signature>
     ) -> Cell:
         """A cell that comes with the package.
@@ -400,7 +435,14 @@ class Cell:
             deg to 360 deg.
         spacing_um : float or None
             Distance between neighbouring masses. In um, above 0 um, at most 1000 um. None: such
-            that the cell has about 2000 of them.
+            that a flat cell has about 2000 of them, a thick one about 4000 and 4 cubes across its
+            thickness.
+        profile : {"flat", "round", "dome", "slab"}, default "flat"
+            Section of the cell across its plane. A thick cell is made of cubes; its greatest
+            thickness is `thickness_um` in [material], and what a picture does not show of it is
+            assumed.
+        thickness_um : float, default 10.0
+            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
 
         Returns
         -------
@@ -421,6 +463,8 @@ class Cell:
         given = changed(
             ("shape.rotate", rotate_deg, 0.0),
             ("shape.spacing", spacing_um, None),
+            ("shape.profile", profile, "flat"),
+            ("material.thickness", thickness_um, 10.0),
         )
         # </given>
         if name is not None:

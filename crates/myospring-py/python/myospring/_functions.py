@@ -48,6 +48,8 @@ class BeatSettings(TypedDict, total=False):
     thickness_um: float
     area_law: Literal["gradient", "barycentric", "printed"]
     area_modulus_kpa: float | None
+    poisson_ratio: float | None
+    fibre_modulus_kpa: float
     damping_ratio: float
     slowest_period_ms: float
     drag_ratio: float
@@ -59,6 +61,7 @@ class BeatSettings(TypedDict, total=False):
     myofibril_content: str | PathLike[str]
     sarcomere_length: str | PathLike[str]
     sarcomere_reference_um: float | None
+    helix_angle_deg: float | None
     support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "gel", "elastic-bed"]
     end_stretch: float
     afterload_nn: float | None
@@ -113,6 +116,8 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "thickness_um": ("material.thickness", 10.0),
     "area_law": ("material.area_law", "gradient"),
     "area_modulus_kpa": ("material.area_modulus", None),
+    "poisson_ratio": ("material.poisson_ratio", None),
+    "fibre_modulus_kpa": ("material.fibre_modulus", 0.0),
     "damping_ratio": ("material.damping_ratio", 0.05),
     "slowest_period_ms": ("material.slowest_period", 2.0),
     "drag_ratio": ("material.drag_ratio", 0.3),
@@ -124,6 +129,7 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "myofibril_content": ("mechanics.myofibril_content", "uniform"),
     "sarcomere_length": ("mechanics.sarcomere_length", "uniform"),
     "sarcomere_reference_um": ("mechanics.sarcomere_reference", None),
+    "helix_angle_deg": ("mechanics.helix_angle", None),
     "support": ("mechanics.support", "mass-centre"),
     "end_stretch": ("mechanics.end_stretch", 1.0),
     "afterload_nn": ("mechanics.afterload", None),
@@ -182,6 +188,8 @@ def simulate(
     thickness_um: float = 10.0,
     area_law: Literal["gradient", "barycentric", "printed"] = "gradient",
     area_modulus_kpa: float | None = None,
+    poisson_ratio: float | None = None,
+    fibre_modulus_kpa: float = 0.0,
     damping_ratio: float = 0.05,
     slowest_period_ms: float = 2.0,
     drag_ratio: float = 0.3,
@@ -193,6 +201,7 @@ def simulate(
     myofibril_content: str | PathLike[str] = "uniform",
     sarcomere_length: str | PathLike[str] = "uniform",
     sarcomere_reference_um: float | None = None,
+    helix_angle_deg: float | None = None,
     support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "gel", "elastic-bed"] = "mass-centre",
     end_stretch: float = 1.0,
     afterload_nn: float | None = None,
@@ -306,16 +315,22 @@ def simulate(
         from the start of the wave. In um/ms, 0.001 um/ms to 1000000 um/ms. None: everywhere at
         once.
     young_modulus_kpa : float or None
-        Young's modulus of the sheet formed by the springs. In kPa, 0.1 kPa to 1000000 kPa.
+        Young's modulus of the sheet formed by the springs, or of the solid of a thick cell. In kPa,
+        0.1 kPa to 1000000 kPa.
     spring_stiffness_nn_per_um : float or None
         Stiffness of a horizontal or vertical spring, instead of `young_modulus_kpa`; a diagonal one
         has half of it. In nN/um, 0.1 nN/um to 100000000 nN/um.
     thickness_um : float, default 10.0
-        Thickness of the cell. In um, above 0 um, at most 100 um.
+        Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
     area_law : {"gradient", "barycentric", "printed"}, default "gradient"
         Law of area preservation.
     area_modulus_kpa : float or None
         Stiffness of the area law per thickness. In kPa, 0 kPa to 1000000 kPa.
+    poisson_ratio : float or None
+        Poisson's ratio of a thick cell. Near 0.5 it keeps its volume; 0.25 is that of springs
+        alone. A flat cell has `area_modulus_kpa` instead. 0.25 to 0.499. None: 0.49.
+    fibre_modulus_kpa : float, default 0.0
+        What the fibres add to Young's modulus along themselves. In kPa, 0 kPa to 1000000 kPa.
     damping_ratio : float, default 0.05
         Dashpots along the springs, as a part of critical damping. 0 to 10.
     slowest_period_ms : float, default 2.0
@@ -355,6 +370,9 @@ def simulate(
         Length of the sarcomere at which the cell model's stretch is 1. It has not been measured for
         any model: isolated rat cells rest at 1.71 um, the same cells within the heart at 1.95 um
         (Bub 2010). In um, 1 um to 3 um.
+    helix_angle_deg : float or None
+        Angle by which the fibres of a thick cell turn from its lowest to its highest point,
+        counter-clockwise as seen from above. In deg, -180 deg to 180 deg. None: 0 deg.
     support : {"mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "gel", "elastic-bed"}, default "mass-centre"
         The support of the cell.
     end_stretch : float, default 1.0
@@ -474,6 +492,8 @@ def simulate(
         ("material.thickness", thickness_um, 10.0),
         ("material.area_law", area_law, "gradient"),
         ("material.area_modulus", area_modulus_kpa, None),
+        ("material.poisson_ratio", poisson_ratio, None),
+        ("material.fibre_modulus", fibre_modulus_kpa, 0.0),
         ("material.damping_ratio", damping_ratio, 0.05),
         ("material.slowest_period", slowest_period_ms, 2.0),
         ("material.drag_ratio", drag_ratio, 0.3),
@@ -485,6 +505,7 @@ def simulate(
         ("mechanics.myofibril_content", myofibril_content, "uniform"),
         ("mechanics.sarcomere_length", sarcomere_length, "uniform"),
         ("mechanics.sarcomere_reference", sarcomere_reference_um, None),
+        ("mechanics.helix_angle", helix_angle_deg, None),
         ("mechanics.support", support, "mass-centre"),
         ("mechanics.end_stretch", end_stretch, 1.0),
         ("mechanics.afterload", afterload_nn, None),

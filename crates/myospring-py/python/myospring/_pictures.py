@@ -119,6 +119,7 @@ def batch(
     # <signature of image>
     pixel_size_um: float | None = None,
     any_size: bool = False,
+    profile: Literal["flat", "round", "dome", "slab"] = "flat",
     spacing_um: float | None = None,
     modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None = None,
     channel: int | None = None,
@@ -132,6 +133,7 @@ def batch(
     max_area_um2: float | None = None,
     allow_cut: bool = False,
     outline: str | PathLike[str] | None = None,
+    thickness_um: float = 10.0,
     # </signature>
     **settings: Unpack[BeatSettings],
 ) -> Batch:
@@ -165,9 +167,12 @@ def batch(
         Accepts a cell whose size is impossible for a heart cell: longer than 400 um, shorter than
         15 um, or with an area outside of `min_area_um2` to `max_area_um2`. Such a size usually
         means a wrong pixel size.
+    profile : {"flat", "round", "dome", "slab"}, default "flat"
+        Section of the cell across its plane. A thick cell is made of cubes; its greatest thickness
+        is `thickness_um` in [material], and what a picture does not show of it is assumed.
     spacing_um : float or None
-        Distance between neighbouring masses. In um, above 0 um, at most 1000 um. None: such that
-        the cell has about 2000 of them.
+        Distance between neighbouring masses. In um, above 0 um, at most 1000 um. None: such that a
+        flat cell has about 2000 of them, a thick one about 4000 and 4 cubes across its thickness.
     modality : {"auto", "fluorescence", "brightfield", "mask"} or None
         How the picture was taken. None: auto.
     channel : int or None
@@ -201,6 +206,8 @@ def batch(
     outline : str or PathLike[str] or None
         Outline of the cell drawn on the picture in another program, instead of segmentation:
         GeoJSON, ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt.
+    thickness_um : float, default 10.0
+        Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
     **settings
         How the cells beat: the settings of `simulate`, with its names, units and defaults.
 
@@ -223,6 +230,7 @@ def batch(
     given = changed(
         ("shape.pixel_size", pixel_size_um, None),
         ("shape.any_size", any_size, False),
+        ("shape.profile", profile, "flat"),
         ("shape.spacing", spacing_um, None),
         ("segmentation.modality", modality, None),
         ("segmentation.channel", channel, None),
@@ -236,6 +244,7 @@ def batch(
         ("segmentation.max_area", max_area_um2, None),
         ("segmentation.allow_cut", allow_cut, False),
         ("segmentation.outline", outline, None),
+        ("material.thickness", thickness_um, 10.0),
     )
     # </given>
     given |= given_of_beat("batch", settings)

@@ -186,6 +186,7 @@ def segment(
     # <signature of image>
     pixel_size_um: float | None = None,
     any_size: bool = False,
+    profile: Literal["flat", "round", "dome", "slab"] = "flat",
     spacing_um: float | None = None,
     modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None = None,
     channel: int | None = None,
@@ -199,6 +200,7 @@ def segment(
     max_area_um2: float | None = None,
     allow_cut: bool = False,
     outline: str | PathLike[str] | None = None,
+    thickness_um: float = 10.0,
     # </signature>
     stain: Literal["z-disc", "filament"] | None = None,
     progress: Progress = None,
@@ -219,9 +221,12 @@ def segment(
         Accepts a cell whose size is impossible for a heart cell: longer than 400 um, shorter than
         15 um, or with an area outside of `min_area_um2` to `max_area_um2`. Such a size usually
         means a wrong pixel size.
+    profile : {"flat", "round", "dome", "slab"}, default "flat"
+        Section of the cell across its plane. A thick cell is made of cubes; its greatest thickness
+        is `thickness_um` in [material], and what a picture does not show of it is assumed.
     spacing_um : float or None
-        Distance between neighbouring masses. In um, above 0 um, at most 1000 um. None: such that
-        the cell has about 2000 of them.
+        Distance between neighbouring masses. In um, above 0 um, at most 1000 um. None: such that a
+        flat cell has about 2000 of them, a thick one about 4000 and 4 cubes across its thickness.
     modality : {"auto", "fluorescence", "brightfield", "mask"} or None
         How the picture was taken. None: auto.
     channel : int or None
@@ -255,6 +260,8 @@ def segment(
     outline : str or PathLike[str] or None
         Outline of the cell drawn on the picture in another program, instead of segmentation:
         GeoJSON, ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt.
+    thickness_um : float, default 10.0
+        Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
     stain : {"z-disc", "filament"} or None
         What the picture shows: stripes across the fibre or threads along it. None: z-discs, if stripes as far apart as
         sarcomeres are found.
@@ -290,6 +297,7 @@ def segment(
     given = changed(
         ("shape.pixel_size", pixel_size_um, None),
         ("shape.any_size", any_size, False),
+        ("shape.profile", profile, "flat"),
         ("shape.spacing", spacing_um, None),
         ("segmentation.modality", modality, None),
         ("segmentation.channel", channel, None),
@@ -303,6 +311,7 @@ def segment(
         ("segmentation.max_area", max_area_um2, None),
         ("segmentation.allow_cut", allow_cut, False),
         ("segmentation.outline", outline, None),
+        ("material.thickness", thickness_um, 10.0),
     )
     # </given>
     given |= changed(("mechanics.stain", stain, None))

@@ -14,6 +14,7 @@ class PictureSettings(BeatSettings, total=False):
 
     # <typed of film>
     any_size: bool
+    profile: Literal["flat", "round", "dome", "slab"]
     spacing_um: float | None
     modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None
     channel: int | None
@@ -25,12 +26,14 @@ class PictureSettings(BeatSettings, total=False):
     max_area_um2: float | None
     allow_cut: bool
     outline: str | PathLike[str] | None
+    thickness_um: float
     # </typed>
 
 
 _PICTURE_KEYS: Mapping[str, tuple[str, Any]] = {
     # <keys of film>
     "any_size": ("shape.any_size", False),
+    "profile": ("shape.profile", "flat"),
     "spacing_um": ("shape.spacing", None),
     "modality": ("segmentation.modality", None),
     "channel": ("segmentation.channel", None),
@@ -42,6 +45,7 @@ _PICTURE_KEYS: Mapping[str, tuple[str, Any]] = {
     "max_area_um2": ("segmentation.max_area", None),
     "allow_cut": ("segmentation.allow_cut", False),
     "outline": ("segmentation.outline", None),
+    "thickness_um": ("material.thickness", 10.0),
     # </keys>
 }
 
