@@ -90,8 +90,8 @@ pub(crate) fn beat(
     threads: Option<usize>,
     progress: Progress,
 ) -> PyResult<Beat> {
-    let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
     let cell = &cell.0;
+    let run = resolved(py, cell, &file)?;
     let beaten = experiment::watched(py, progress, |watch| {
         let named = (cell.name.clone(), Run { interruption: watch.interruption(), ..run });
         let shape = (cell.shaped.clone(), sha256(&cell.bytes.shape));
@@ -106,17 +106,23 @@ pub(crate) fn beat(
     Ok(Beat::of(cell, file, beaten))
 }
 
+/// The run of a run file on a cell that is meshed already.
+fn resolved(py: Python<'_>, cell: &Inner, file: &RunFile) -> PyResult<Run> {
+    let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
+    let of_cell = cell.file.resolve().map_err(|error| errors::of_settings(py, &error))?;
+    if run.shape.form == of_cell.shape.form {
+        return Ok(run);
+    }
+    let meshed = of_cell.material.thickness;
+    let text = format!(
+        "`thickness_um`: the thick cell was meshed with {meshed} um; give the thickness where the cell is made"
+    );
+    Err(PyValueError::new_err(text))
+}
+
 /// The run of a run file and its simulation on a cell.
 pub(crate) fn make(py: Python<'_>, cell: &Inner, file: &RunFile) -> PyResult<(Run, MeshedRun)> {
-    let mut run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
-    let of_cell = cell.file.resolve().map_err(|error| errors::of_settings(py, &error))?;
-    if run.shape.form != of_cell.shape.form {
-        let meshed = of_cell.material.thickness;
-        let text = format!(
-            "`thickness_um`: the thick cell was meshed with {meshed} um; give the thickness where the cell is made"
-        );
-        return Err(PyValueError::new_err(text));
-    }
+    let mut run = resolved(py, cell, file)?;
     let made = interruptible(py, |interruption| {
         let run = run.clone().interrupted_by(interruption);
         run.make(cell.shaped.clone(), |path| cell.read(path))

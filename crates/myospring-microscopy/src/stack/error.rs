@@ -141,7 +141,7 @@ pub enum StackError {
     /// Brightfield has no depth.
     #[error(
         "a stack in brightfield does not show where a cell begins and ends in depth; give a fluorescence stack or a \
-         mask, or one slice of it with --picture and a --thickness"
+         mask, or one slice of it as a picture, with a profile and a thickness"
     )]
     Brightfield,
     /// A voxel that is not a label.
