@@ -26,6 +26,7 @@ pub mod patch;
 pub mod random;
 pub mod row;
 pub mod sarcomeres;
+pub mod thick;
 pub mod time_order;
 pub mod tor_ord;
 pub mod viscosity;
@@ -50,6 +51,7 @@ pub fn checks() -> Vec<Check> {
         Check { name: "tor-ord", run: tor_ord::rows },
         Check { name: "loads", run: loads::rows },
         Check { name: "gel", run: gel::rows },
+        Check { name: "thick", run: thick::rows },
         Check { name: "viscosity", run: viscosity::rows },
         Check { name: "parts", run: parts::rows },
         Check { name: "finite-elements", run: finite_elements::rows },

@@ -37,6 +37,7 @@ Checks:
   tor-ord          Action potential, calcium and tension of ToR-ORd, against Myokit's and an independent implementation
   loads            Held, against loads, between carbon fibres, against an independent program
   gel              A cell on a gel: closed forms, balances, pyTFM's forces, measured forces
+  thick            A thick cell: material, locking, shortening, a bed under it, against a separate program
   viscosity        A cell whose shape lags behind its tension, against an independent program
   parts            A weak half and a passive nucleus: strain against a closed form and a finer mesh
   finite-elements  A published finite-element twitch, if its data are there
@@ -72,7 +73,7 @@ struct Check {
     peer: Option<(&'static str, &'static str)>,
 }
 
-const CHECKS: [Check; 19] = [
+const CHECKS: [Check; 20] = [
     own("oscillator", "Oscillator"),
     own("time-order", "Order in time of a strip in motion"),
     own("chain", "Hanging chain"),
@@ -87,6 +88,7 @@ const CHECKS: [Check; 19] = [
     own("tor-ord", "ToR-ORd"),
     own("loads", "A cell under load"),
     own("gel", "A cell on a gel"),
+    own("thick", "A thick cell"),
     own("viscosity", "Viscosity"),
     own("parts", "Parts of a cell that differ"),
     own("finite-elements", "Finite-element twitch"),

@@ -74,7 +74,7 @@ impl Simulation {
     ///
     /// # Errors
     /// Those of [`Simulation::prepare_quasi_static`]. A path that ends before the largest tension
-    /// of the run is not an error but a [`StopReason`].
+    /// of the run is not an error but a [`StopReason`](super::StopReason).
     ///
     /// # Example
     /// ```
