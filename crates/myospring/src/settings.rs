@@ -100,6 +100,10 @@ mod tests {
             "shape.pixel_size" | "shape.label" | "shape.any_size" => {
                 &[("shape.picture", "cell.tif")]
             }
+            "shape.z_step" | "shape.first_slice" | "shape.stack_stain" => {
+                &[("shape.stack", "cell.tif")]
+            }
+            "material.poisson_ratio" | "mechanics.helix_angle" => &[("shape.profile", "slab")],
             "mechanics.stain" | "mechanics.fibre_smoothing" => &[("mechanics.fibre", "picture")],
             "mechanics.end_stiffness" => &[("mechanics.support", "spring-held-ends")],
             "mechanics.afterload" => &[("mechanics.support", "afterloaded-ends")],
