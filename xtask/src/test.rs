@@ -22,46 +22,63 @@ struct Checks {
     tests: Tally,
 }
 
-/// Makes all checks up to the first that fails; the last line counts the tests.
+/// Makes all checks, also after one that fails; what failed stands at the end.
 pub(crate) fn run() -> Result<(), String> {
+    component("rustfmt", "fmt")?;
+    component("clippy", "clippy")?;
     let mut checks = Checks::default();
-    let outcome = checks.all();
+    let failures: Vec<String> =
+        Checks::ALL.iter().filter_map(|check| check(&mut checks).err()).collect();
     say(&checks.summary());
-    outcome
+    if failures.is_empty() {
+        return Ok(());
+    }
+    Err(format!("failed:\n   {}", failures.join("\n   ")))
 }
 
+/// A check, or several that need each other.
+type Check = fn(&mut Checks) -> Result<(), String>;
+
 impl Checks {
-    fn all(&mut self) -> Result<(), String> {
-        component("rustfmt", "fmt")?;
-        component("clippy", "clippy")?;
-        self.step("format", cargo(["fmt", "--all", "--check"]))?;
-        self.workflows()?;
-        self.licences()?;
-        self.step(
-            "lints",
-            cargo(["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"]),
-        )?;
-        let mut doc =
-            cargo(["doc", "--workspace", "--no-deps", "--document-private-items", "--locked"]);
-        doc.env("RUSTDOCFLAGS", "-D warnings");
-        self.step("documentation", doc)?;
+    /// All checks, cheapest first.
+    const ALL: [Check; 13] = [
+        |checks| checks.step("format", cargo(["fmt", "--all", "--check"])),
+        Self::workflows,
+        Self::licences,
+        |checks| {
+            let lints =
+                ["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"];
+            checks.step("lints", cargo(lints))
+        },
+        |checks| {
+            let mut doc =
+                cargo(["doc", "--workspace", "--no-deps", "--document-private-items", "--locked"]);
+            doc.env("RUSTDOCFLAGS", "-D warnings");
+            checks.step("documentation", doc)
+        },
         // Examples and benchmarks are not linked: the lints have compiled them.
-        let mut tests = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
-        self.tests("tests", tests.args(["--lib", "--bins", "--tests"]))?;
-        let mut examples = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
-        self.tests("examples in the documentation", examples.arg("--doc"))?;
-        self.run_files()?;
-        self.results()?;
-        self.page()?;
-        self.package()?;
-        // What it does without them it does with them, too: only that it compiles is left to check.
-        let mut bare = cargo(["check", "-p", "myospring-core", "-p", "myospring", "--locked"]);
-        bare.args(["--no-default-features", "--lib", "--tests"]);
-        self.step("the library without its features", bare)?;
-        // Tests ask for `testing` of the core, other crates for more of what it depends on.
-        self.step("the core alone", cargo(["check", "-p", "myospring-core", "--locked"]))?;
-        self.web()
-    }
+        |checks| {
+            let mut tests = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
+            checks.tests("tests", tests.args(["--lib", "--bins", "--tests"]))
+        },
+        |checks| {
+            let mut examples = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
+            checks.tests("examples in the documentation", examples.arg("--doc"))
+        },
+        Self::run_files,
+        Self::results,
+        Self::page,
+        Self::package,
+        // What it does without them it does with them, too: only that it compiles is left to check. Tests ask for `testing` of the
+        // core, other crates for more of what it depends on.
+        |checks| {
+            let mut bare = cargo(["check", "-p", "myospring-core", "-p", "myospring", "--locked"]);
+            bare.args(["--no-default-features", "--lib", "--tests"]);
+            checks.step("the library without its features", bare)?;
+            checks.step("the core alone", cargo(["check", "-p", "myospring-core", "--locked"]))
+        },
+        Self::web,
+    ];
 
     /// Licences and sources of all dependencies, and advisories against them, without asking the network.
     fn licences(&mut self) -> Result<(), String> {

@@ -17,6 +17,7 @@ mod paper;
 mod skipped;
 #[path = "../../../myospring/tests/common/synthetic_cell.rs"]
 mod synthetic_cell;
+mod thick;
 mod track;
 mod traction;
 mod tutorials;

@@ -5,7 +5,7 @@ use super::files::Files;
 use super::refused::{Place, Refused};
 use crate::interruption::Interruption;
 use crate::microscopy::read;
-use crate::run_file::{Origin, Reader, Run, ShapeBytes, Shaped, Source};
+use crate::run_file::{Origin, Reader, Run, ShapeBytes, Shaped};
 use crate::settings::{Models, OUTLINE_ENDINGS, PICTURE_ENDINGS, Setting, Value};
 use std::fs;
 use std::path::Path;
@@ -73,7 +73,8 @@ pub fn mesh_picture(
     place: Option<Place>,
     files: &Files,
 ) -> Result<Shaped, ExperimentError> {
-    let Source::Picture(source) = &run.shape.source else { return Ok(run.shape.mesh(bytes)?) };
+    let flat = run.shape.source.picture().filter(|picture| picture.slices.is_none());
+    let Some(source) = flat else { return Ok(run.shape.mesh(bytes)?) };
     let refused = Refused { picture: source.path.as_str(), shape: &run.shape, place, files };
     match source.cells(bytes) {
         Err(cause) => Err(refused.without_cells(cause, bytes)),

@@ -230,7 +230,7 @@ fn nothing_to_draw_is_an_error_and_not_a_panic() {
     }
     for (result, message) in [
         (cell(&long, &along(&long, [0.0, 0.0])), "fibre direction (0, 0)"),
-        (cell(&long, &x[1..]), "one for each triangle"),
+        (cell(&long, &x[1..]), "one for each of the triangles"),
         (cell(&hollow, &[]), "given 0 triangles"),
     ] {
         let error: FigureError = result.unwrap_err();

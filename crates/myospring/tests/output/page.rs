@@ -187,7 +187,7 @@ fn frames_and_fibres_of_another_mesh_are_refused() {
     let (cell, other) = (Cell::new(4.0), Cell::new(3.0));
     let said = |run: PageRun<'_>| made(vec![run]).unwrap_err().to_string();
     let error = said(PageRun { fibres: &other.fibres, ..cell.on_page() });
-    assert!(error.contains("one for each triangle"), "{error}");
+    assert!(error.contains("one for each of the triangles"), "{error}");
     let error = said(PageRun { recording: &other.recording, ..cell.on_page() });
     assert!(error.contains("positions along axis 0"), "{error}");
 }

@@ -47,5 +47,5 @@ fn frames_and_fibres_of_another_mesh_are_refused() {
     let error = Frames::new(&other, &run.frames, &fibres, None).unwrap_err().to_string();
     assert!(error.contains("positions along axis 0"), "{error}");
     let error = Frames::new(&mesh, &run.frames, &fibres, None).unwrap_err().to_string();
-    assert!(error.contains("one for each triangle"), "{error}");
+    assert!(error.contains("one for each of the triangles"), "{error}");
 }

@@ -1,0 +1,82 @@
+//! Thick cells: from a stack, or an outline and a profile.
+
+use super::{myospring, names, stderr, stdout};
+use std::fs;
+use tiff::encoder::{TiffEncoder, colortype::Gray8};
+
+#[test]
+fn a_stack_beats_in_one_command_and_its_results_repeat_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let file = fs::File::create(at.join("cell.tif")).unwrap();
+    let mut encoder = TiffEncoder::new(file).unwrap();
+    // A dome of 60 x 16 x 8 um, the mask of it.
+    for slice in 0..10_u32 {
+        let z = (f64::from(slice) + 0.5) / 8.0;
+        let inside = |at: u32| {
+            let x = 0.5 * (f64::from(at % 140) + 0.5 - 70.0) / 30.0;
+            let y = 0.5 * (f64::from(at / 140) + 0.5 - 25.0) / 8.0;
+            if x * x + y * y + z * z < 1.0 { 255 } else { 0 }
+        };
+        let pixels: Vec<u8> = (0..140 * 50).map(inside).collect();
+        encoder.write_image::<Gray8>(140, 50, &pixels).unwrap();
+    }
+    let scale = ["--pixel-size", "0.5 um", "--z-step", "1 um", "--spacing", "1.6 um"];
+    let outputs = ["--outputs", "report,figures,vtu,frames", "--frame-interval", "50 ms"];
+    let run = [&["run", "--stack", "cell.tif", "--output", "beat"][..], &scale, &outputs].concat();
+    let beat = myospring(at, &run);
+    assert!(beat.status.success(), "{}", stderr(&beat));
+    assert!(stderr(&beat).contains("--first-slice top"), "{}", stderr(&beat));
+    for row in ["thickening, largest", "volume change, largest", "of the lower face"] {
+        assert!(stdout(&beat).contains(row), "{row}: {}", stdout(&beat));
+    }
+    assert!(names(&at.join("beat/figures")).contains(&"in_space.svg".to_owned()));
+    let frame = fs::read_to_string(at.join("beat/vtu/cell_0000.vtu")).unwrap();
+    assert!(frame.contains("volume_ratio"));
+    let again = myospring(at, &["run", "beat/run.toml", "--output", "again", "--outputs", "none"]);
+    assert!(again.status.success(), "{}", stderr(&again));
+    let traces = |name: &str| fs::read_to_string(at.join(name).join("traces.csv")).unwrap();
+    assert_eq!(traces("beat"), traces("again"));
+    assert!(traces("again").lines().next().unwrap().contains("thickness_um"));
+    let mesh =
+        myospring(at, &[&["mesh", "--stack", "cell.tif", "--output", "mesh"][..], &scale].concat());
+    assert!(stdout(&mesh).contains("cubes in thickness"), "{}", stdout(&mesh));
+    let missing = myospring(at, &["run", "--stack", "cell.tif", "--pixel-size", "0.5 um"]);
+    assert!(
+        !missing.status.success() && stderr(&missing).contains("--z-step"),
+        "{}",
+        stderr(&missing)
+    );
+}
+
+#[test]
+fn a_thick_cell_serves_studies_and_fits_and_says_what_it_cannot() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let round = ["--profile", "dome", "--thickness", "8 um", "--spacing", "3 um"];
+    let beat =
+        myospring(at, &[&["run", "--output", "beat", "--outputs", "none"][..], &round].concat());
+    assert!(beat.status.success(), "{}", stderr(&beat));
+    // Its own curve gives its own strength.
+    let fit = ["fit", "--to", "beat/traces.csv", "--model", "coelho_2021", "--output", "fit"];
+    let fit = myospring(at, &[&fit[..], &round].concat());
+    assert!(fit.status.success(), "{}", stderr(&fit));
+    let factors = ["compare", "--scale", "thickness=0.9", "--output", "thinner"];
+    let thinner = myospring(at, &[&factors[..], &round].concat());
+    assert!(thinner.status.success(), "{}", stderr(&thinner));
+    for (options, says) in [
+        (&["--profile", "dome", "--area-law", "printed"][..], "poisson_ratio"),
+        (&["--helix-angle", "20 deg"], "--profile"),
+        (&["--profile", "flat", "--z-step", "1 um"], "--stack"),
+        (
+            &["--profile", "slab", "--spacing", "12 um", "--thickness", "30 um"],
+            "a third of the cell's width",
+        ),
+        (&["--profile", "slab", "--active", "ends"], "fibre law"),
+    ] {
+        let refused = myospring(at, &[&["run", "--output", "refused"][..], options].concat());
+        assert!(!refused.status.success(), "{options:?}");
+        assert!(stderr(&refused).contains(says), "{options:?}: {}", stderr(&refused));
+        assert!(!at.join("refused").exists());
+    }
+}
