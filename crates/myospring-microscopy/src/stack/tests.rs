@@ -208,7 +208,7 @@ fn a_page_for_each_slice_needs_only_pixel_size_and_z_step() {
     let segmentation =
         SegmentationSettings { modality: Modality::Brightfield, ..SegmentationSettings::default() };
     let brightfield = message(StackOptions { segmentation, ..options(0.4, 1.0) });
-    assert!(brightfield.contains("--thickness"), "{brightfield}");
+    assert!(brightfield.contains("a thickness"), "{brightfield}");
 }
 
 #[test]
