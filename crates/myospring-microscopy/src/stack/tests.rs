@@ -59,8 +59,10 @@ const BODIES: [Body; 4] = [Body::Ellipsoid, Body::Dome, Body::Slab, Body::Tilted
 
 #[test]
 fn volume_and_thickness_of_a_filled_cell_are_found_whatever_the_voxels() {
+    // The finest take seconds each: one of them.
+    check(Scene { pixel_um: 0.25, z_step_um: 0.25, ..CLEAR }, 8.0);
     for body in BODIES {
-        for (pixel_um, z_step_um) in [(0.25, 0.25), (0.5, 1.0), (0.25, 2.0), (0.5, 2.0)] {
+        for (pixel_um, z_step_um) in [(0.5, 1.0), (0.25, 2.0), (0.5, 2.0)] {
             check(Scene { body, pixel_um, z_step_um, ..CLEAR }, 8.0);
         }
     }
@@ -68,10 +70,9 @@ fn volume_and_thickness_of_a_filled_cell_are_found_whatever_the_voxels() {
 
 #[test]
 fn volume_and_thickness_of_a_cell_with_a_bright_membrane_are_found() {
+    check(Scene { pixel_um: 0.25, z_step_um: 0.5, membrane: true, ..CLEAR }, 12.0);
     for body in BODIES {
-        for (pixel_um, z_step_um) in [(0.25, 0.5), (0.5, 1.0)] {
-            check(Scene { body, pixel_um, z_step_um, membrane: true, ..CLEAR }, 12.0);
-        }
+        check(Scene { body, membrane: true, ..CLEAR }, 12.0);
     }
 }
 
