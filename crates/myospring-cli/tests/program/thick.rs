@@ -72,7 +72,7 @@ fn a_thick_cell_serves_studies_and_fits_and_says_what_it_cannot() {
             &["--profile", "slab", "--spacing", "12 um", "--thickness", "30 um"],
             "a third of the cell's width",
         ),
-        (&["--profile", "slab", "--active", "ends"], "fibre law"),
+        (&["--profile", "slab", "--active", "ends"], "active = \"fibre\""),
     ] {
         let refused = myospring(at, &[&["run", "--output", "refused"][..], options].concat());
         assert!(!refused.status.success(), "{options:?}");
