@@ -14,7 +14,7 @@ type Cube = [Option<u32>; 8];
 ///
 /// # Example
 /// ```
-/// use myospring::mesh::{bar, surface};
+/// use myospring::mesh::{cubes, surface};
 /// let block = cubes::block([4, 2, 3], 2.0)?;
 /// assert_eq!(surface::quads(&block).len(), 2 * (4 * 2 + 2 * 3 + 3 * 4));
 /// # Ok::<(), myospring::mesh::MeshError>(())
