@@ -166,7 +166,8 @@ impl Force<3> for Load {
     }
 }
 
-/// Deflection of the end of a cantilever of 40 x 8 x 8 um over Timoshenko's; volume is kept by groups of so many tetrahedra.
+/// How far the end of a cantilever of 40 x 8 x 8 um bends, over what Timoshenko's beam does. Each `group` of tetrahedra keeps its
+/// volume.
 fn cantilever(across: usize, poisson: f64, group: usize) -> Result<f64, Failure> {
     let h = 8.0 / across as f64;
     let mesh = cubes::block([5 * across, across, across], h)?;

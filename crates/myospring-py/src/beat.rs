@@ -153,7 +153,7 @@ impl Beat {
 
 #[pymethods]
 impl Beat {
-    /// Positions of all points of a thick cell in each frame, um: (frames, points, 3); `None` of a flat one.
+    /// Positions of the points of a thick cell, um: (frames, points, 3). A flat cell has `None`.
     #[getter]
     fn positions_in_space<'py>(
         &self,

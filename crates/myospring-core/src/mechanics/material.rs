@@ -30,7 +30,7 @@ use super::gel::GelBed;
 use super::spring::Springs;
 use super::support::{Attachment, Support, SupportKind};
 use super::volume::VolumePreservation;
-use super::{Body, System};
+use super::{Body, Force, System};
 use crate::mesh::cubes::TETRAHEDRA_OF_A_CUBE;
 use crate::mesh::{Mesh, Spring, SpringKind};
 use serde::Serialize;
@@ -222,34 +222,14 @@ pub fn assemble<'a>(
     axis: [f64; 2],
     length: f64,
 ) -> (Body, System) {
-    let Attachment { support, adhesion } = support.into();
-    let fibres = fibres.into();
-    let body = Body::at_rest(mesh, material.density(length), material.thickness);
-    let springs = material.springs(mesh, &body.masses);
-    let area =
-        AreaPreservation::new(mesh, material.area_law, material.area_modulus * material.thickness);
-    let active: Box<dyn super::Force> = match active {
-        ActiveLaw::Fibre => Box::new(FibreTension::new(mesh, fibres, material.thickness)),
-        ActiveLaw::Ends => Box::new(EndTension::new(mesh, axis, material.thickness)),
+    let (fibres, thickness) = (fibres.into(), material.thickness);
+    let area = AreaPreservation::new(mesh, material.area_law, material.area_modulus * thickness);
+    let active: Box<dyn Force> = match active {
+        ActiveLaw::Fibre => Box::new(FibreTension::new(mesh, fibres, thickness)),
+        ActiveLaw::Ends => Box::new(EndTension::new(mesh, axis, thickness)),
     };
-    let drag = Drag::of_slowest_mode(material.slowest_period, material.drag_ratio, &body.masses);
-    let mut passive: Vec<Box<dyn super::Force>> = vec![Box::new(springs), Box::new(area)];
-    if let Some(anchors) = support.anchors(mesh, axis) {
-        passive.push(Box::new(anchors));
-    }
-    if let SupportKind::Gel(gel) = support {
-        match GelBed::adhering(gel, mesh, axis, adhesion) {
-            Ok(bed) => passive.push(Box::new(bed)),
-            Err(error) => panic!("{error}"),
-        }
-    }
-    if material.fibre_modulus > 0.0 {
-        let (modulus, thickness) = (material.fibre_modulus, material.thickness);
-        passive.push(Box::new(FibreStiffness::new(mesh, fibres, modulus, thickness)));
-    }
-    let system =
-        System { passive, active: vec![active], drag, support: Support::new(support, mesh, axis) };
-    (body, system)
+    let laws: [Box<dyn Force>; 2] = [Box::new(area), active];
+    joined(mesh, material, fibres, support.into(), axis, [length, thickness], laws)
 }
 
 /// As [`assemble`], for a thick cell of cubes, whose long axis is in the plane of the first two axes.
@@ -265,12 +245,26 @@ pub fn assemble_thick<'a>(
     length: f64,
 ) -> (Body<3>, System<3>) {
     let fibres = fibres.into();
-    let Attachment { support, adhesion } = support.into();
-    let body = Body::at_rest(mesh, material.density(length), 1.0);
-    let springs = material.springs(mesh, &body.masses);
     let volume = VolumePreservation::new(mesh, TETRAHEDRA_OF_A_CUBE, material.volume_modulus());
+    let active = FibreTension::new(mesh, fibres, 1.0);
+    let laws: [Box<dyn Force<3>>; 2] = [Box::new(volume), Box::new(active)];
+    joined(mesh, material, fibres, support.into(), axis, [length, 1.0], laws)
+}
+
+/// The body at rest, with springs, what keeps its area or volume, the stiffness of its fibres, its active force, drag and support.
+fn joined<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    material: &Material,
+    fibres: Myofibrils<'_, D>,
+    Attachment { support, adhesion }: Attachment<'_>,
+    axis: [f64; D],
+    [length, thickness]: [f64; 2],
+    [keeping, active]: [Box<dyn Force<D>>; 2],
+) -> (Body<D>, System<D>) {
+    let body = Body::at_rest(mesh, material.density(length), thickness);
     let drag = Drag::of_slowest_mode(material.slowest_period, material.drag_ratio, &body.masses);
-    let mut passive: Vec<Box<dyn super::Force<3>>> = vec![Box::new(springs), Box::new(volume)];
+    let mut passive: Vec<Box<dyn Force<D>>> =
+        vec![Box::new(material.springs(mesh, &body.masses)), keeping];
     if let Some(anchors) = support.anchors(mesh, axis) {
         passive.push(Box::new(anchors));
     }
@@ -281,10 +275,9 @@ pub fn assemble_thick<'a>(
         }
     }
     if material.fibre_modulus > 0.0 {
-        passive.push(Box::new(FibreStiffness::new(mesh, fibres, material.fibre_modulus, 1.0)));
+        let modulus = material.fibre_modulus;
+        passive.push(Box::new(FibreStiffness::new(mesh, fibres, modulus, thickness)));
     }
-    let active: Box<dyn super::Force<3>> = Box::new(FibreTension::new(mesh, fibres, 1.0));
-    let system =
-        System { passive, active: vec![active], drag, support: Support::new(support, mesh, axis) };
-    (body, system)
+    let support = Support::new(support, mesh, axis);
+    (body, System { passive, active: vec![active], drag, support })
 }

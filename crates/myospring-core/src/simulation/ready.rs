@@ -18,10 +18,8 @@ pub struct Ready(Box<dyn Runs>);
 
 /// What can be asked of a prepared run, whatever its method and axes.
 pub(super) trait Runs: Send + Sync {
-    /// The simulation.
-    fn simulation(&self) -> &Simulation;
-    /// Tension of a default beat relative to that of the parameters that are scaled to the peak tension.
-    fn strength(&self) -> f64;
+    /// The simulation, and the tension of a default beat relative to that of the parameters that are scaled to the peak tension.
+    fn cell(&self) -> (&Simulation, f64);
     /// Runs to the end or to the first fault.
     fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome;
     /// Why a path ends before the peak of tension, if it does.
@@ -53,12 +51,8 @@ impl<const D: usize, const N: usize> Runs for Prepared<D, N>
 where
     Simulation: Space<D, N>,
 {
-    fn simulation(&self) -> &Simulation {
-        &self.setup.simulation
-    }
-
-    fn strength(&self) -> f64 {
-        self.setup.strength
+    fn cell(&self) -> (&Simulation, f64) {
+        self.setup.cell()
     }
 
     fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
@@ -78,12 +72,8 @@ impl<const D: usize, const N: usize> Runs for PreparedPath<D, N>
 where
     Simulation: Space<D, N>,
 {
-    fn simulation(&self) -> &Simulation {
-        &self.setup.simulation
-    }
-
-    fn strength(&self) -> f64 {
-        self.setup.strength
+    fn cell(&self) -> (&Simulation, f64) {
+        self.setup.cell()
     }
 
     fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
@@ -103,12 +93,8 @@ impl<const D: usize, const N: usize> Runs for PreparedField<D, N>
 where
     Simulation: Space<D, N>,
 {
-    fn simulation(&self) -> &Simulation {
-        &self.setup.simulation
-    }
-
-    fn strength(&self) -> f64 {
-        self.setup.strength
+    fn cell(&self) -> (&Simulation, f64) {
+        self.setup.cell()
     }
 
     fn run_observed(&self, observer: &mut dyn RunObserver) -> Outcome {
@@ -166,7 +152,7 @@ impl Ready {
     }
 
     pub(super) fn simulation(&self) -> &Simulation {
-        self.0.simulation()
+        self.0.cell().0
     }
 
     /// Why the path of equilibria ends before the peak of tension, if it does.
@@ -203,7 +189,7 @@ impl Ready {
                  which can make the first beat's rates too large. Its shape at rest was not found: {cause}"
             ));
         }
-        let (strength, simulation) = (self.0.strength(), self.simulation());
+        let (simulation, strength) = self.0.cell();
         if !ORDINARY.contains(&strength) {
             warnings.push(format!(
                 "the cell model's parameters make a default beat {strength:.3} times as strong as the \
@@ -229,6 +215,11 @@ impl Ready {
 }
 
 impl<const D: usize, const N: usize> Setup<D, N> {
+    /// The simulation, and how strong its cell is.
+    fn cell(&self) -> (&Simulation, f64) {
+        (&self.simulation, self.strength)
+    }
+
     /// Times of the stimuli that fall within the run, ms.
     pub(super) fn stimulus_times(&self) -> Vec<f64> {
         let Simulation { duration, .. } = &self.simulation;

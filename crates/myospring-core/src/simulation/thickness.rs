@@ -46,7 +46,7 @@ impl ThicknessMeter {
         }
     }
 
-    /// The values, in the order of [`ThicknessMeter::TOLD`]; none of a flat body.
+    /// The values in the order of [`ThicknessMeter::TOLD`]. A flat body has none.
     pub(super) fn read<const D: usize>(&self, positions: &Vectors<D>) -> Vec<f64> {
         let [x, y, z] = &positions[..] else { return Vec::new() };
         let Self { thick, areas, faces: [(lowest, below), (highest, above)] } = self;

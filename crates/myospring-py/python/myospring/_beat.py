@@ -99,7 +99,7 @@ class Beat:
 
     @cached_property
     def positions_in_space(self) -> NDArray[np.float64] | None:
-        """Positions of all points of a thick cell in each recorded shape, um, of shape (frames, points, 3); None of a flat one."""
+        """Positions of the points of a thick cell, um, of shape (frames, points, 3). A flat cell has None."""
         positions = self._native.positions_in_space
         return None if positions is None else _fixed(positions)
 
