@@ -14,7 +14,8 @@
 //! | `fibre` | triangles, 2 | unit vector along the fibre at rest |
 //! | `content` | triangles | content of myofibrils; only if it is not uniform |
 //! | `tension_by_triangle_kPa` | frames, triangles | only if the tension is not uniform |
-//! | `positions_in_space_um`, `rest_in_space_um`, `cubes` | frames, points, 3; points, 3; cubes, 8 | of a thick cell ([`in_space`]) |
+//! | `positions_in_space_um`, `rest_in_space_um` | frames, points, 3; points, 3 | of a thick cell: all its points |
+//! | `cubes` | cubes, 8 | of a thick cell: corners of each cube, by x, then y, then z |
 //! | `outline_um` | points, 2 | the outline that was meshed, at rest |
 //! | `outline_ring` | points | ring to which each point belongs: 0 the cell's rim, others its holes |
 
@@ -25,18 +26,20 @@ use myospring_core::mesh::{Lattice, Mesh, Simplex};
 use myospring_core::recording::{Frame, Recording};
 
 /// The frames of a recording as the bytes of `frames.npz`; `fibres` has a unit vector for each
-/// triangle, `content` its content of myofibrils, if that is not uniform.
+/// triangle, `content` its content of myofibrils, if that is not uniform, and `thick` the cubes of a thick cell.
 ///
 /// # Errors
 /// More than an archive can hold.
 pub fn to_npz(
     mesh: &Mesh,
+    thick: Option<&Mesh<3, 4>>,
     recording: &Recording,
     fibres: &[[f64; 2]],
     content: Option<&[f64]>,
     outline: &Outline,
 ) -> Result<Vec<u8>, NpzError> {
-    to_npz_with(mesh, &recording.frames, fibres, content, outline, Vec::new())
+    let more = thick.map_or_else(Vec::new, |thick| in_space(thick, recording));
+    to_npz_with(mesh, &recording.frames, fibres, content, outline, more)
 }
 
 /// Like [`to_npz`], for frames from any source, with further arrays.
@@ -110,9 +113,8 @@ pub fn to_npz_with(
     npz::to_bytes(&arrays)
 }
 
-/// The arrays of a thick cell: `positions_in_space_um` (frames, points, 3), `rest_in_space_um` (points, 3) and `cubes` (cubes, 8), whose
-/// corners are numbered by x, then y, then z.
-pub fn in_space(mesh: &Mesh<3, 4>, recording: &Recording) -> Vec<(&'static str, Array)> {
+/// The arrays of a thick cell.
+fn in_space(mesh: &Mesh<3, 4>, recording: &Recording) -> Vec<(&'static str, Array)> {
     let points = mesh.len();
     let triples = |positions: &[Vec<f64>; 3]| -> Vec<f64> {
         (0..points).flat_map(|at| positions.each_ref().map(|axis| axis[at])).collect()
@@ -248,7 +250,7 @@ mod tests {
         let frames = vec![frame(0.0), frame(5.0)];
         let recording = Recording { frames: frames.clone(), ..Recording::default() };
         let fibres = vec![[0.6, 0.8]; mesh.simplices.len()];
-        let bytes = to_npz(&mesh, &recording, &fibres, None, &outline).unwrap();
+        let bytes = to_npz(&mesh, None, &recording, &fibres, None, &outline).unwrap();
         let kept = read(&bytes).unwrap().unwrap();
         assert_eq!((&kept.frames, &kept.fibres), (&frames, &fibres));
         assert_eq!(kept.rings, outline.rings().map(<[_]>::to_vec).collect::<Vec<_>>());

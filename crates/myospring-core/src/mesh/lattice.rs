@@ -167,8 +167,13 @@ pub enum LatticeError {
 /// ```
 pub fn default_spacing(area_um2: f64, masses: usize) -> f64 {
     let spacing = (area_um2 / masses.max(1) as f64).sqrt();
-    let digit = 10_f64.powf(spacing.log10().floor() - 1.0);
-    let rounded = (spacing / digit - 1e-9).ceil() * digit;
+    two_digits(spacing, |digits| (digits - 1e-9).ceil())
+}
+
+/// A length with two digits, which `round` makes whole.
+pub(super) fn two_digits(length: f64, round: impl Fn(f64) -> f64) -> f64 {
+    let digit = 10_f64.powf(length.log10().floor() - 1.0);
+    let rounded = round(length / digit) * digit;
     // Through text, to get a number that prints with two digits.
     format!("{rounded:.1e}").parse().unwrap_or(rounded)
 }

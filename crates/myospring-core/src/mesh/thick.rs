@@ -178,10 +178,7 @@ pub fn from_voxels(
 /// The spacing, um, at which a volume contains about [`DEFAULT_POINTS`] points and the thickness enough cubes.
 fn default_spacing(volume: f64, thickness: f64) -> f64 {
     let spacing = (volume / DEFAULT_POINTS as f64).cbrt().min(thickness / ENOUGH_LAYERS as f64);
-    let digit = 10_f64.powf(spacing.log10().floor() - 1.0);
-    let rounded = (spacing / digit + 1e-9).floor() * digit;
-    // Through text, to get a number that prints with two digits.
-    format!("{rounded:.1e}").parse().unwrap_or(rounded)
+    lattice::two_digits(spacing, |digits| (digits + 1e-9).floor())
 }
 
 fn fill(

@@ -222,10 +222,8 @@ fn frames(folder: &Folder, finished: &Finished<'_>) -> Result<(), ExperimentErro
     let Finished { simulation, outline, outcome, .. } = finished;
     let (mesh, fibres) = (&simulation.mesh, &simulation.fibres);
     let content = simulation.myofibril_content.as_deref();
-    let recording = &outcome.recording;
-    let in_space = simulation.thick.as_ref().map(|thick| frames::in_space(&thick.mesh, recording));
-    let more = in_space.unwrap_or_default();
-    let bytes = frames::to_npz_with(mesh, &recording.frames, fibres, content, outline, more)?;
+    let thick = simulation.thick.as_ref().map(|thick| &thick.mesh);
+    let bytes = frames::to_npz(mesh, thick, &outcome.recording, fibres, content, outline)?;
     folder.write("frames.npz", bytes)
 }
 
