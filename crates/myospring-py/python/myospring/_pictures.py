@@ -116,7 +116,7 @@ def batch(
     threads: int | None = None,
     force: bool = False,
     progress: Progress = None,
-    # <signature of image>
+    # <signature of image_and_beat>
     pixel_size_um: float | None = None,
     any_size: bool = False,
     profile: Literal["flat", "round", "dome", "slab"] = "flat",
@@ -133,7 +133,6 @@ def batch(
     max_area_um2: float | None = None,
     allow_cut: bool = False,
     outline: str | PathLike[str] | None = None,
-    thickness_um: float = 10.0,
     # </signature>
     **settings: Unpack[BeatSettings],
 ) -> Batch:
@@ -206,8 +205,6 @@ def batch(
     outline : str or PathLike[str] or None
         Outline of the cell drawn on the picture in another program, instead of segmentation:
         GeoJSON, ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt.
-    thickness_um : float, default 10.0
-        Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
     **settings
         How the cells beat: the settings of `simulate`, with its names, units and defaults.
 
@@ -226,7 +223,7 @@ def batch(
     KeyboardInterrupt
         Ctrl-C, within a second; what is done stays in `output`.
     """
-    # <given of image>
+    # <given of image_and_beat>
     given = changed(
         ("shape.pixel_size", pixel_size_um, None),
         ("shape.any_size", any_size, False),
@@ -244,7 +241,6 @@ def batch(
         ("segmentation.max_area", max_area_um2, None),
         ("segmentation.allow_cut", allow_cut, False),
         ("segmentation.outline", outline, None),
-        ("material.thickness", thickness_um, 10.0),
     )
     # </given>
     given |= given_of_beat("batch", settings)
