@@ -59,7 +59,7 @@ impl Checks {
         // Examples and benchmarks are not linked: the lints have compiled them.
         |checks| {
             let mut tests = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
-            checks.tests("tests", tests.args(["--lib", "--bins", "--tests"]))
+            checks.tests("tests", tests.arg("--tests"))
         },
         |checks| {
             let mut examples = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);

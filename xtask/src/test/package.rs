@@ -21,7 +21,9 @@ impl Checks {
             command
         };
         let mut build = within(python.module("maturin"));
-        build.args(["build", "--locked", "--interpreter"]).arg(python.interpreter());
+        build
+            .args(["build", "--locked", "--features", "testing", "--interpreter"])
+            .arg(python.interpreter());
         build.arg("--out").arg(folder.path());
         licences::run()?;
         self.step("the Python package: its wheel", build)?;

@@ -24,17 +24,17 @@ impl Checks {
         // Not as it is shipped, which takes minutes.
         let around = Command::new(program("debug", "myospring-web"));
         let (engine, page) = web::build("engine", around).inspect_err(|_| self.failed += 1)?;
-        let test = |file: &str| {
+        let test = |files: &[&str]| {
             let mut command = Command::new("node");
-            command.args(["--test", file]).current_dir(folder());
+            command.args(["--test", "--test-concurrency=2"]).args(files).current_dir(folder());
             command.env("MYOSPRING", program("debug", "myospring"));
             command.env("ENGINE", &engine).env("PAGE", &page);
             command
         };
-        self.step(names[0], test("test/engine.test.js"))?;
+        self.step(names[0], test(&["test/engine.test.js"]))?;
         match chromium() {
             Ok(path) => {
-                let mut command = test("test/web.test.js");
+                let mut command = test(&["test/web.test.js", "test/web_files.test.js"]);
                 command.envs(path.map(|path| ("CHROMIUM", path)));
                 self.step(names[1], command)?;
             }
@@ -42,7 +42,7 @@ impl Checks {
         }
         match firefox() {
             Ok(path) => {
-                let mut command = test("test/firefox.test.js");
+                let mut command = test(&["test/firefox.test.js"]);
                 command.env("FIREFOX", path);
                 self.step(names[2], command)
             }

@@ -167,8 +167,8 @@ fn myofilaments_that_feel_length_pull_stronger_on_a_stiffer_gel() {
             duration: 160.0,
             ..on(Gel::half_space(modulus), 5.0)
         };
-        simulation.numerics.exchange_interval = 1.0;
-        simulation.numerics.output_interval = 1.0;
+        simulation.numerics.exchange_interval = 2.0;
+        simulation.numerics.output_interval = 2.0;
         simulation
     };
     let strength = |simulation: &Simulation| {
@@ -176,13 +176,12 @@ fn myofilaments_that_feel_length_pull_stronger_on_a_stiffer_gel() {
         let tension = recording.samples.iter().map(|sample| sample.ta_kpa).fold(0.0, f64::max);
         [most(&recording, AXIAL_FORCE), tension]
     };
-    let forces = [1.0, 10.0, 100.0].map(|modulus| strength(&beat(modulus)));
+    let [soft, stiff] = [1.0, 10.0].map(|modulus| strength(&beat(modulus)));
     // A cell that shortens less pulls more strongly, at the same calcium.
-    let rises = |pair: &[[f64; 2]]| pair[1][0] > pair[0][0] && pair[1][1] > pair[0][1];
-    assert!(forces.windows(2).all(rises), "{forces:?}");
+    assert!(stiff[0] > soft[0] && stiff[1] > soft[1], "{soft:?} {stiff:?}");
     // Each place feels its own length, which differs along the cell.
     let by_triangle = strength(&Simulation { stretch_felt: StretchFelt::Triangle, ..beat(10.0) });
-    assert!((forces[1][0] / by_triangle[0] - 1.0).abs() < 0.2, "{forces:?} {by_triangle:?}");
+    assert!((stiff[0] / by_triangle[0] - 1.0).abs() < 0.2, "{stiff:?} {by_triangle:?}");
 }
 
 #[test]
