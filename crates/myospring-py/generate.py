@@ -36,6 +36,10 @@ IMAGE = {"label", "rotate_deg", "built_in", "picture", "stack", "z_step_um", "fi
 # How thick it is, too, which a flat cell needs for its beat alone.
 THICK = ("profile", "thickness_um")
 OUTLINE = ("pixel_size_um", "cell", "label", "rotate_deg", "spacing_um", "any_size", *THICK)
+OF_STACK = (
+    "pixel_size_um", "z_step_um", "first_slice", "stack_stain", "spacing_um", "any_size", "modality", "channel", "frame",
+    "threshold", "smooth_um", "seed", "cell", "min_area_um2", "max_area_um2", "allow_cut",
+)
 # Without a mesh nothing else has a place.
 OF_POTENTIAL = (
     "model", "parameters", "variables", "myofilaments", "cell_integrator", "cell_step_ms", "cell_tolerance",
@@ -140,6 +144,7 @@ SETS = {
     "image_and_beat": [row for row in of_image() if row["name"] != "thickness_um"],
     # Of a film the size of a pixel is an argument of its own, and `fit` has another cell and another seed.
     "film": [row for row in of_image() if row["name"] not in ("pixel_size_um", "cell", "seed")],
+    "stack": chosen(OF_STACK),
     "mask": of_mask(),
     "outline": chosen(OUTLINE),
     "built_in": chosen(("rotate_deg", "spacing_um", *THICK)),

@@ -6,4 +6,5 @@ mod film_bytes;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     film_bytes::exercise(bytes);
+    film_bytes::exercise_stack(bytes);
 });

@@ -174,8 +174,8 @@ pub struct Simulation {
     pub mesh: Mesh,
     /// Its thickness above that mesh; `None` for a flat cell.
     pub thick: Option<Arc<Thick>>,
-    /// Angle by which the fibres of a thick cell turn from its lowest to its highest point, rad, counter-clockwise as seen from above.
-    pub helix_angle: f64,
+    /// Fibre direction in each tetrahedron of a thick cell, unit vectors; `None` is that of the triangles below, through the thickness.
+    pub fibres_in_space: Option<Vec<[f64; 3]>>,
     /// Its long axis, a unit vector: length is measured along it.
     pub long_axis: [f64; 2],
     /// Fibre direction in each triangle, unit vectors.
@@ -238,7 +238,7 @@ impl Simulation {
             wave_speed: None,
             mesh,
             thick: None,
-            helix_angle: 0.0,
+            fibres_in_space: None,
             material: default_material(),
             active: ActiveLaw::Fibre,
             support: SupportKind::MassCentre,

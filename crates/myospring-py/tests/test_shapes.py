@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import myospring
+from myospring import _native
 
 
 def ellipse(rows=120, columns=320):
@@ -133,3 +134,24 @@ def test_a_sheet_is_read_without_an_outline():
         myospring.whole_frame(picture)
     with pytest.warns(myospring.MyospringWarning, match="no fibres"):
         assert myospring.whole_frame(ellipse(), pixel_size_um=0.2).median_sarcomere_um is None
+
+
+def test_a_stack_as_an_array_or_as_a_file_gives_the_same_thick_cell(tmp_path):
+    slices, rows, columns = np.mgrid[:12, :60, :140]
+    inside = ((columns - 70) / 60) ** 2 + ((rows - 30) / 20) ** 2 + ((slices - 5.5) / 4) ** 2 < 1
+    given = {"pixel_size_um": 0.5, "z_step_um": 1, "spacing_um": 2, "modality": "mask"}
+    of_array = myospring.Cell.from_stack(inside, **given)
+    path = tmp_path / "cell.tif"
+    path.write_bytes(_native.tiff(inside.astype(np.uint8), True))
+    of_file = myospring.Cell.from_stack(path, **given)
+    np.testing.assert_array_equal(of_array.positions, of_file.positions)
+    assert abs(of_array.dimensions.length_um - 60) < 2
+    beat = myospring.simulate(of_array)
+    assert abs(beat.metrics["peak_shortening"] - 12) < 0.05
+    assert 7 < np.ptp(beat.positions_in_space[0, :, 2]) < 9
+    with pytest.raises(ValueError, match="give \\(slices, rows, columns\\)"):
+        myospring.Cell.from_stack(inside[0], pixel_size_um=0.5, z_step_um=1)
+    with pytest.raises(ValueError, match="z_step_um"):
+        myospring.Cell.from_stack(inside, pixel_size_um=0.5)
+    with pytest.raises(ValueError, match="thickness"):
+        myospring.simulate(of_array, thickness_um=6)

@@ -44,7 +44,10 @@ pub use adhesion::{ADHESION_ENDINGS, AdhesionError};
 pub use bounds::{Bounds, Whole};
 pub use calcium::{CALCIUM_ENDINGS, CalciumError, Calibration};
 pub use content::{CONTENT_ENDINGS, ContentError};
-pub use fibres::{Asked, FibreDirection, FibreReport, Fibres, NotRead, PictureFibres, SeenReport};
+pub use fibres::{
+    Asked, FibreDirection, FibreReport, Fibres, FibresError, NotRead, PictureFibres, SeenReport,
+    Shown,
+};
 pub use models::{FromFile, Models};
 pub use number::{NumberError, NumericSetting};
 pub use overlay::OverlayError;
@@ -56,7 +59,7 @@ pub use sarcomeres::{SARCOMERE_ENDINGS, SarcomereError};
 pub use setting::{CommandOption, Get, Named, Set, Setting, ValueKind};
 pub use shape::{
     Meshed, OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped,
-    Source,
+    Source, StackCell,
 };
 pub use steady::CacheError;
 pub use tension::{TENSION_ENDINGS, TensionError};

@@ -159,8 +159,13 @@ fn defaults_are_those_of_the_simulation() {
     let run = RunFile::default().resolve().unwrap();
     let mesh = || myospring::mesh::lattice::rectangle(8, 2, 5.0).unwrap();
     let usual = Simulation::new(mesh());
-    let fibres = usual.fibres.clone();
-    let places = Places { fibres, myofibril_content: None, resting_stretch: None, adhesion: None };
+    let places = Places {
+        fibres: usual.fibres.clone(),
+        fibres_in_space: None,
+        myofibril_content: None,
+        resting_stretch: None,
+        adhesion: None,
+    };
     let made = run.simulation(mesh(), None, places);
     let of = |simulation: &Simulation| {
         let Simulation { protocol, material, active, support, numerics, .. } = simulation;

@@ -25,9 +25,7 @@ impl Checks {
         let around = Command::new(program("debug", "myospring-web"));
         let (engine, page) = web::build("engine", around).inspect_err(|_| self.failed += 1)?;
         let test = |files: &[&str]| {
-            let mut command = Command::new("node");
-            command.args(["--test", "--test-concurrency=2"]).args(files).current_dir(folder());
-            command.env("MYOSPRING", program("debug", "myospring"));
+            let mut command = tests(files);
             command.env("ENGINE", &engine).env("PAGE", &page);
             command
         };
@@ -65,16 +63,10 @@ impl Checks {
             return Ok(());
         }
         self.step(source, npm(&["run", "check"]))?;
-        let test = |file: &str| {
-            let mut command = Command::new("node");
-            command.args(["--test", file]).current_dir(folder());
-            command.env("MYOSPRING", program("debug", "myospring"));
-            command
-        };
-        self.step(data, test("test/data.test.js"))?;
+        self.step(data, tests(&["test/data.test.js"]))?;
         match chromium() {
             Ok(path) => {
-                let mut command = test("test/report.test.js");
+                let mut command = tests(&["test/report.test.js", "test/space.test.js"]);
                 command.envs(path.map(|path| ("CHROMIUM", path)));
                 self.step(browser, command)
             }
@@ -89,6 +81,14 @@ impl Checks {
 /// The folder of the page's source.
 pub(crate) fn folder() -> PathBuf {
     root().join("crates/myospring-output/page")
+}
+
+/// Tests in these files, two files at a time, with the program that the tests have built.
+fn tests(files: &[&str]) -> Command {
+    let mut command = Command::new("node");
+    command.args(["--test", "--test-concurrency=2"]).args(files).current_dir(folder());
+    command.env("MYOSPRING", program("debug", "myospring"));
+    command
 }
 
 fn npm(arguments: &[&str]) -> Command {

@@ -40,7 +40,7 @@ pub(super) fn plan(
 ) -> Result<(), Failure> {
     let (run, made) = (&prepared.run, &prepared.made);
     let (simulation, report) = (&made.simulation, &made.report);
-    let of_picture = made.picture.is_some().then(|| made.fibres.report());
+    let of_picture = made.fibres_of_picture();
     let fibres = of_picture.as_ref();
     let run::RunPlan { effort, spring_updates, estimated_s } = prepared.plan();
     if let Some(end) = prepared.ready.end() {

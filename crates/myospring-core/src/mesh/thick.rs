@@ -79,6 +79,55 @@ impl Thick {
         self.squares.iter().flat_map(each).collect()
     }
 
+    /// The direction in each tetrahedron, unit vectors in the plane, from one for each triangle of the flat mesh: as axes, the mean of the
+    /// square below. From the lowest to the highest point of the cell they turn by `angle`, rad, counter-clockwise as seen from above; at
+    /// half the height they are those of the flat mesh.
+    ///
+    /// # Example
+    /// ```
+    /// use myospring::mesh::profile::Profile;
+    /// use myospring::mesh::{built_in, thick};
+    /// let form = thick::Form { profile: Profile::Slab, thickness: 10.0 };
+    /// let (above, thick, _) = thick::from_outline(&built_in::adult_ventricular(), form, Some(5.0))?;
+    /// let along = vec![[1.0, 0.0]; above.simplices.len()];
+    /// let turned = thick.turned(&along, 1.0);
+    /// let angles = thick.mesh.simplices.iter().zip(&turned).map(|(tetrahedron, [x, y, _])| {
+    ///     (y.atan2(*x), thick.mesh.centre(tetrahedron)[2] / 10.0 - 0.5)
+    /// });
+    /// assert!(angles.into_iter().all(|(angle, above)| (angle - above).abs() < 1e-12));
+    /// # Ok::<(), myospring::mesh::lattice::LatticeError>(())
+    /// ```
+    pub fn turned(&self, triangles: &[[f64; 2]], angle: f64) -> Vec<[f64; 3]> {
+        let squares = triangles.len() / 4;
+        // Axes have no sign, so doubled angles are averaged.
+        let of_square = |square: usize| {
+            let of = |k: usize| triangles[k * squares + square];
+            let first = of(0);
+            if (1..4).all(|k| of(k) == first) {
+                return first;
+            }
+            let doubled = (0..4)
+                .map(of)
+                .fold([0.0; 2], |[c, s], [x, y]| [c + x * x - y * y, s + 2.0 * x * y]);
+            let angle = 0.5 * doubled[1].atan2(doubled[0]);
+            [angle.cos(), angle.sin()]
+        };
+        let z = &self.mesh.points[2];
+        let range = |[low, high]: [f64; 2], z: &f64| [low.min(*z), high.max(*z)];
+        let [low, high] = z.iter().fold([f64::INFINITY, f64::NEG_INFINITY], range);
+        let (middle, height) = (0.5 * (low + high), high - low);
+        let tetrahedra = self.mesh.simplices.chunks(cubes::TETRAHEDRA_OF_A_CUBE);
+        let turned = tetrahedra.zip(&self.squares).flat_map(|(tetrahedra, square)| {
+            let [x, y] = of_square(*square as usize);
+            tetrahedra.iter().map(move |tetrahedron| {
+                let above = (self.mesh.centre(tetrahedron)[2] - middle) / height;
+                let (sine, cosine) = (angle * above).sin_cos();
+                [cosine * x - sine * y, sine * x + cosine * y, 0.0]
+            })
+        });
+        turned.collect()
+    }
+
     /// One value for each of `triangles` triangles of the flat mesh, from one for each tetrahedron: the mean above its square, weighted by
     /// volume.
     pub fn to_triangles(&self, tetrahedra: &[f64], triangles: usize) -> Vec<f64> {

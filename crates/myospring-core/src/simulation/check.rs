@@ -284,6 +284,25 @@ impl Simulation {
         gel.check(&self.mesh).map_err(SettingError::Gel)
     }
 
+    /// Directions in the tetrahedra of a thick cell.
+    fn check_fibres_in_space(&self) -> Checked {
+        const TETRAHEDRON: &str = "tetrahedron";
+        let Some(fibres) = &self.fibres_in_space else { return Ok(()) };
+        let expected = self.thick.as_ref().map_or(0, |thick| thick.mesh.simplices.len());
+        if fibres.len() != expected {
+            let (what, found) = ("the list of fibres in space", fibres.len());
+            return Err(SettingError::Length { what, found, expected, parts: TETRAHEDRON });
+        }
+        let lengths = fibres.iter().map(|[x, y, z]| x.hypot(*y).hypot(*z));
+        match lengths.enumerate().find(|(_, length)| is_no_unit(*length)) {
+            None => Ok(()),
+            Some((index, value)) => {
+                let (what, must) = ("the length of the fibre", "1: a unit vector");
+                Err(SettingError::Entry { what, part: TETRAHEDRON, index, value, must })
+            }
+        }
+    }
+
     fn check_lists(&self) -> Checked {
         let expected = self.mesh.simplices.len();
         let length = |what, found| {
@@ -306,6 +325,7 @@ impl Simulation {
                 return Err(SettingError::Entry { what, part: TRIANGLE, index, value, must });
             }
         }
+        self.check_fibres_in_space()?;
         if let Some(stretch) = &self.resting_stretch {
             length("the stretch at rest", stretch.len())?;
             let outside = |value: &f64| !RESTING_STRETCH.contains(value);

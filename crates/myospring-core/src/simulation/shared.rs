@@ -149,7 +149,7 @@ impl SharedPath {
         let own = &self.simulation;
         own.mesh == other.mesh
             && own.thick == other.thick
-            && own.helix_angle == other.helix_angle
+            && own.fibres_in_space == other.fibres_in_space
             && own.long_axis == other.long_axis
             && own.fibres == other.fibres
             && own.myofibril_content == other.myofibril_content

@@ -156,38 +156,11 @@ impl Space<3, 4> for Simulation {
         [x, y, 0.0]
     }
 
-    /// In the plane, as seen from above; through the thickness they turn about the middle.
     fn directions(&self) -> Cow<'_, [[f64; 3]]> {
-        let thick = self.thick();
-        let squares = self.fibres.len() / 4;
-        // The mean of the four triangles of a square, as axes: by the doubled angle.
-        let of_square = |square: usize| {
-            let of = |k: usize| self.fibres[k * squares + square];
-            let first = of(0);
-            if (1..4).all(|k| of(k) == first) {
-                return first;
-            }
-            let doubled = (0..4)
-                .map(of)
-                .fold([0.0; 2], |[c, s], [x, y]| [c + x * x - y * y, s + 2.0 * x * y]);
-            let angle = 0.5 * doubled[1].atan2(doubled[0]);
-            [angle.cos(), angle.sin()]
-        };
-        let z = &thick.mesh.points[2];
-        let range = |[low, high]: [f64; 2], z: &f64| [low.min(*z), high.max(*z)];
-        let [low, high] = z.iter().fold([f64::INFINITY, f64::NEG_INFINITY], range);
-        let (middle, height) = (0.5 * (low + high), high - low);
-        let tetrahedra =
-            thick.mesh.simplices.chunks(thick.mesh.simplices.len() / thick.squares.len());
-        let turned = tetrahedra.zip(&thick.squares).flat_map(|(tetrahedra, square)| {
-            let [x, y] = of_square(*square as usize);
-            tetrahedra.iter().map(move |tetrahedron| {
-                let above = (thick.mesh.centre(tetrahedron)[2] - middle) / height;
-                let (sine, cosine) = (self.helix_angle * above).sin_cos();
-                [cosine * x - sine * y, sine * x + cosine * y, 0.0]
-            })
-        });
-        Cow::Owned(turned.collect())
+        match &self.fibres_in_space {
+            Some(directions) => Cow::Borrowed(directions),
+            None => Cow::Owned(self.thick().turned(&self.fibres, 0.0)),
+        }
     }
 
     fn by_simplex<'a>(&self, of_triangles: &'a [f64]) -> Cow<'a, [f64]> {

@@ -2,7 +2,7 @@
 
 use super::error::StackError;
 use super::options::{FirstSlice, StackOptions};
-use super::reading::Stack;
+use super::reading::{Scale, Stack};
 use crate::fibres::{FibreField, FibreSettings, fibres_interruptible};
 use myospring_core::mesh::voxels::Voxels;
 use serde::Serialize;
@@ -32,6 +32,8 @@ pub struct SliceFibre {
     pub error_deg: Option<f64>,
     /// Part of the cell's area in this slice in which the picture shows fibres, 0 to 1.
     pub share_from_picture: f64,
+    /// Median length of the sarcomeres in this slice, um.
+    pub sarcomere_um: Option<f64>,
 }
 
 /// How far the fibres turn through the thickness.
@@ -58,6 +60,65 @@ pub struct StackFibres {
     pub helix: Option<HelixAngle>,
     /// What is not known, one sentence each.
     pub warnings: Vec<String>,
+    /// Heights of the slices with a direction, um, from the lowest, and the direction everywhere in them.
+    #[serde(skip)]
+    fields: Vec<(f64, FibreField)>,
+}
+
+impl StackFibres {
+    /// Whether any slice shows a direction.
+    pub fn is_shown(&self) -> bool {
+        !self.fields.is_empty()
+    }
+
+    /// The direction at a point (um; y and z upward), a unit vector: between two slices with a direction it turns evenly from one to the other,
+    /// below the lowest and above the highest it is theirs. `None` if no slice shows one.
+    pub fn at(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
+        let above = self.fields.partition_point(|(height, _)| *height <= z);
+        let (low, low_field) = self.fields.get(above.saturating_sub(1))?;
+        let (high, high_field) = self.fields.get(above).or(self.fields.last())?;
+        let [low_angle, high_angle] =
+            [low_field, high_field].map(|field| field.at([x, y]).angle_deg());
+        let part = if high > low { (z - low) / (high - low) } else { 0.0 };
+        // The shorter way round.
+        let turn = high_angle - low_angle;
+        let turn = turn - 180.0 * (turn / 180.0).round();
+        let (sine, cosine) = (low_angle + part * turn).to_radians().sin_cos();
+        Some([cosine, sine])
+    }
+}
+
+/// What is read of a slice, and how.
+struct Reader<'a> {
+    stack: &'a Stack,
+    voxels: &'a Voxels,
+    long_axis: [f64; 2],
+    settings: &'a FibreSettings,
+    options: &'a StackOptions,
+    scale: Scale,
+}
+
+impl Reader<'_> {
+    /// The cell in a slice, counted from the lowest.
+    fn inside(&self, level: usize) -> Vec<bool> {
+        let parts = self.voxels.shape()[2] / self.stack.slices();
+        slice_mask(self.voxels, level * parts + parts / 2)
+    }
+
+    /// The number of a slice in the file.
+    fn slice(&self, level: usize) -> usize {
+        match self.options.first_slice {
+            FirstSlice::Bottom => level,
+            FirstSlice::Top => self.stack.slices() - 1 - level,
+        }
+    }
+
+    fn field(&self, level: usize, inside: &[bool]) -> Result<FibreField, StackError> {
+        let plane = self.stack.slice(self.slice(level))?;
+        let interruption = &self.options.segmentation.interruption;
+        let (pixel_size, axis) = (self.scale.pixel_size, self.long_axis);
+        Ok(fibres_interruptible(&plane, inside, pixel_size, axis, self.settings, interruption)?)
+    }
 }
 
 impl Stack {
@@ -108,38 +169,58 @@ impl Stack {
         settings: &FibreSettings,
         options: &StackOptions,
     ) -> Result<StackFibres, StackError> {
-        let scale = self.scale(options)?;
-        let [width, height, layers] = voxels.shape();
-        let parts = layers / self.slices();
-        let fits = [width, height] == self.size() && parts * self.slices() == layers;
-        if !fits {
-            return Err(StackError::OtherStack { voxels: voxels.shape(), stack: self.size() });
-        }
-        let mut slices = Vec::new();
+        let reader = self.reader(voxels, long_axis, settings, options)?;
+        let scale = reader.scale;
+        let (mut slices, mut fields) = (Vec::new(), Vec::new());
         for level in 0..self.slices() {
-            let inside = slice_mask(voxels, level * parts + parts / 2);
+            let inside = reader.inside(level);
             if inside.iter().filter(|&&inside| inside).count() < FEWEST_PIXELS {
                 continue;
             }
-            let slice = match options.first_slice {
-                FirstSlice::Bottom => level,
-                FirstSlice::Top => self.slices() - 1 - level,
-            };
-            let interruption = &options.segmentation.interruption;
-            let field = fibres_interruptible(
-                &self.slice(slice)?,
-                &inside,
-                scale.pixel_size,
-                long_axis,
-                settings,
-                interruption,
-            )?;
+            let field = reader.field(level, &inside)?;
             let height_um = (level as f64 + 0.5) * scale.z_step_um;
-            slices.push(mean_direction(slice, height_um, &field, settings));
+            let found = mean_direction(reader.slice(level), height_um, &field, settings);
+            if found.angle_deg.is_some() {
+                fields.push((height_um, field));
+            }
+            slices.push(found);
         }
         let helix = turn(&slices, scale.z_step_um);
         let warnings = warnings(&slices, helix);
-        Ok(StackFibres { slices, helix, warnings })
+        Ok(StackFibres { slices, helix, warnings, fields })
+    }
+
+    /// The fibres in the slice in which the cell from [`Stack::cell`] has its largest area; as [`Stack::fibres`], in the time of one slice.
+    ///
+    /// # Errors
+    /// As of [`Stack::fibres`].
+    pub fn fibres_of_widest(
+        &self,
+        voxels: &Voxels,
+        long_axis: [f64; 2],
+        settings: &FibreSettings,
+        options: &StackOptions,
+    ) -> Result<FibreField, StackError> {
+        let reader = self.reader(voxels, long_axis, settings, options)?;
+        let pixels = |inside: &[bool]| inside.iter().filter(|&&inside| inside).count();
+        let widest = (0..self.slices()).max_by_key(|&level| pixels(&reader.inside(level)));
+        let level = widest.unwrap_or(0);
+        reader.field(level, &reader.inside(level))
+    }
+
+    fn reader<'a>(
+        &'a self,
+        voxels: &'a Voxels,
+        long_axis: [f64; 2],
+        settings: &'a FibreSettings,
+        options: &'a StackOptions,
+    ) -> Result<Reader<'a>, StackError> {
+        let scale = self.scale(options)?;
+        let [width, height, layers] = voxels.shape();
+        if [width, height] != self.size() || layers == 0 || layers % self.slices() != 0 {
+            return Err(StackError::OtherStack { voxels: voxels.shape(), stack: self.size() });
+        }
+        Ok(Reader { stack: self, voxels, long_axis, settings, options, scale })
     }
 }
 
@@ -166,7 +247,8 @@ fn mean_direction(
     field: &FibreField,
     settings: &FibreSettings,
 ) -> SliceFibre {
-    let share_from_picture = field.summary().share_from_picture;
+    let summary = field.summary();
+    let share_from_picture = summary.share_from_picture;
     let places = field.on_grid(SPACING_UM);
     let shown = places.iter().map(|(_, fibre)| fibre).filter(|fibre| fibre.from_picture);
     // Directions are lines without sign, so doubled angles are averaged.
@@ -187,6 +269,7 @@ fn mean_direction(
         angle_deg: is_shown.then(|| 0.5 * y.atan2(x).to_degrees()),
         error_deg: is_shown.then(|| scatter / independent.max(1.0).sqrt()),
         share_from_picture,
+        sarcomere_um: summary.median_sarcomere_um,
     }
 }
 

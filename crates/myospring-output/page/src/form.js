@@ -19,14 +19,27 @@ import { term } from "./tables.js";
  * @property {(form: Form) => boolean} [when] Whether the setting has an effect.
  */
 
+/** Settings of a shape that the form shows. */
+const SHOWN_SHAPE = ["shape.built_in", "shape.profile"];
+
 const support = (/** @type {string[]} */ ...words) => (/** @type {Form} */ form) =>
   words.includes(String(form.value("mechanics.support")));
 
 /** Where the shape comes from, unless it is from a file. @type {Shown} */
 const SHAPE = { key: "shape.built_in", name: "shape", when: (form) => form.isBuiltIn };
 
+const isThick = (/** @type {Form} */ form) => form.value("shape.profile") !== "flat";
+
 /** @type {[string, Shown[]][]} */
 const GROUPS = [
+  [
+    "Form",
+    [
+      { key: "shape.profile", name: "section", when: (form) => !form.isStack },
+      { key: "material.thickness", name: "greatest thickness", slider: [2, 30, 0.5], when: isThick },
+      { key: "mechanics.helix_angle", name: "turn of the fibres", slider: [-90, 90, 1], start: 0, when: isThick },
+    ],
+  ],
   [
     "Strength and stiffness",
     [
@@ -106,6 +119,11 @@ export class Form extends EventTarget {
     return Object.keys(this.#shape).length === 0;
   }
 
+  /** Whether the shape is a stack in depth, which shows its form. */
+  get isStack() {
+    return this.#shape["shape.stack"] !== undefined;
+  }
+
   /** What differs from the defaults, without the shape of a file. @returns {Kept} */
   get kept() {
     const settings = Object.fromEntries(this.#changed);
@@ -174,7 +192,7 @@ export class Form extends EventTarget {
   /** Takes all settings of a run file. @param {Record<string, Value>} settings @param {string} title What the cell is called. */
   takeSettings(settings, title) {
     const { "cell.parameters": parameters, ...others } = settings;
-    const isOfShape = (/** @type {[string, Value]} */ [key]) => key.startsWith("shape.") && key !== SHAPE.key;
+    const isOfShape = (/** @type {[string, Value]} */ [key]) => key.startsWith("shape.") && !SHOWN_SHAPE.includes(key);
     this.#shape = Object.fromEntries(Object.entries(others).filter(isOfShape));
     this.#changed = new Map(Object.entries(others).filter((entry) => !isOfShape(entry)));
     this.#numbers = new Map(Object.entries(/** @type {Record<string, number>} */ (parameters ?? {})));
@@ -293,7 +311,7 @@ export class Form extends EventTarget {
           } });
     if (when !== undefined) this.#rows.push([row, when]);
     // A load without a value is no set-up.
-    if (start !== undefined && when !== undefined) this.#starts.set(key, `${start} ${unit}`);
+    if (start && when !== undefined) this.#starts.set(key, `${start} ${unit}`);
     return row;
   }
 

@@ -324,6 +324,49 @@ class Cell:
         return cls._made({"shape.picture": path, **given}, arrays)
 
     @classmethod
+    def from_stack(
+        cls,
+        stack: ArrayLike | str | PathLike[str],
+        *,
+        # <signature of stack>
+        # </signature>
+    ) -> Cell:
+        """The thick cell that a stack of pictures in depth shows: fluorescence, a mask or labels.
+
+        Parameters
+        ----------
+        stack : array_like of shape (slices, rows, columns), or path
+            Grey values, the lowest slice first and the first row on top; or a TIFF, OME-TIFF or ImageJ stack. In an array of bool,
+            or of a mask, 0 is background.
+        pixel_size_um : float or None
+
+        Returns
+        -------
+        Cell
+
+        Raises
+        ------
+        FileNotFoundError
+            There is no such file.
+        ValueError
+            No cell was found, or a setting is not possible; the message says how to mend it.
+
+        Examples
+        --------
+        >>> import numpy as np, myospring
+        >>> slices, rows, columns = np.mgrid[:12, :60, :140]
+        >>> ellipsoid = ((columns - 70) / 60) ** 2 + ((rows - 30) / 20) ** 2 + ((slices - 5.5) / 4) ** 2 < 1
+        >>> cell = myospring.Cell.from_stack(ellipsoid, pixel_size_um=0.5, z_step_um=1, modality="mask")
+        >>> beat = myospring.simulate(cell)
+        >>> bool(abs(beat.metrics["peak_shortening"] - 12) < 0.1)
+        True
+        """
+        path, arrays = path_or_bytes(stack, "stack.tif", stack=True)
+        # <given of stack>
+        # </given>
+        return cls._made({"shape.stack": path, **given}, arrays)
+
+    @classmethod
     def from_outline(
         cls,
         outline: ArrayLike | str | PathLike[str],

@@ -30,13 +30,15 @@ def floats(array: ArrayLike) -> np.ndarray[Any, np.dtype[np.float64]]:
     return np.where(hidden, np.nan, values) if hidden.any() else values
 
 
-def path_or_bytes(image: ArrayLike | str | PathLike[str], name: str) -> tuple[str, dict[str, bytes]]:
-    """Returns the path of a picture, or a name that represents its bytes."""
+def path_or_bytes(
+    image: ArrayLike | str | PathLike[str], name: str, stack: bool = False
+) -> tuple[str, dict[str, bytes]]:
+    """Returns the path of a picture or of a stack of them, or a name that represents its bytes."""
     if isinstance(image, (str, PathLike)):
         return os.fspath(image), {}
     if np.ma.is_masked(image):
         raise ValueError("a picture has a value at every pixel; fill what the mask hides, as image.filled(0) does")
-    return name, {name: _native.tiff(_pixels(np.asarray(image)))}
+    return name, {name: _native.tiff(_pixels(np.asarray(image)), stack)}
 
 
 @contextmanager

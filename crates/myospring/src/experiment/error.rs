@@ -13,7 +13,7 @@ use crate::output::npz::NpzError;
 use crate::output::page::PageError;
 use crate::output::vtu::VtuError;
 use crate::run_file::{Origin, RunFileError, ShapeError};
-use crate::settings::MakeError;
+use crate::settings::{FibresError, MakeError};
 use crate::simulation::SetupError;
 use crate::study::StudyError;
 use std::fmt;
@@ -218,6 +218,7 @@ plain!(
     FigureError,
     PageError,
     FibreError,
+    FibresError,
     MakeError,
     ModelError
 );

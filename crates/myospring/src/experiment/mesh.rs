@@ -51,17 +51,16 @@ impl Experiment for MeshCell {
         let (name, refused) = (self.name.clone(), self.refused.clone());
         let Input { name, run, mut shaped, .. } =
             input::mesh(name, self.run.clone(), refused, files)?;
-        let picture = shaped.picture.as_ref().map(|(cells, cell)| (cells, cell));
-        let fibres = run.fibre.on(&shaped.mesh, picture)?;
+        let fibres = run.fibres(&shaped)?;
         shaped.report.warnings.extend(fibres.warnings.iter().cloned());
         Ok(Meshed { name, shaped, fibres })
     }
 }
 
 impl Meshed {
-    /// What the picture shows of the fibres, where there is a picture.
+    /// What the picture or the stack shows of the fibres, where there is one.
     pub fn fibres_of_picture(&self) -> Option<FibreReport> {
-        self.shaped.picture.is_some().then(|| self.fibres.report())
+        self.shaped.shown().map(|_| self.fibres.report())
     }
 }
 

@@ -63,14 +63,16 @@ impl Experiment for Paper {
         let started = Stopwatch::start();
         let run = self.run.clone();
         let bytes = run.shape.bytes(|file| files.bytes(file))?;
-        let Shaped { mesh, thick, outline, .. } = run.shape.mesh(&bytes)?;
+        let shaped = run.shape.mesh(&bytes)?;
+        let fibres = run.fibres(&shaped)?;
+        let Shaped { mesh, thick, outline, .. } = shaped;
         let threads = Threads::new(self.threads)?;
         observer.stage("ms", TENSIONS.len() as u64 * run.duration as u64);
         let (interruption, done) = (observer.interruption(), AtomicU64::new(0));
-        let fibres = run.fibre.on(&mesh, None)?;
         let one = |peak_tension: f64| -> Result<simulation::Outcome, ExperimentError> {
             let places = Places {
                 fibres: fibres.directions.clone(),
+                fibres_in_space: None,
                 myofibril_content: None,
                 resting_stretch: None,
                 adhesion: None,

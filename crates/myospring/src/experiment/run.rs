@@ -17,6 +17,7 @@ mod watch;
 pub use beaten::{FinishedRun, RunNumbers};
 pub use finished::Style;
 pub use outputs::{ALL, NONE, OUTPUTS, Output, Written, WrittenOutputs, chosen};
+pub(super) use page::thick_cell;
 pub use page::{FILE, parameters};
 pub use prepared::{BeatCell, PreparedRun, RunPlan};
 pub use record::{Stop, Timings, resolved};

@@ -375,6 +375,19 @@ fn fibre(file: &RunFile, run: &Run) -> Checked {
         Source::Outline { .. } => Some("shape.outline"),
         Source::BuiltIn(_) => Some("shape.built_in"),
     };
+    if run.shape.slices().is_some() {
+        const ADVICE: &str = "this is read from a flat picture only; give a table, or leave it out";
+        if run.myofibril_content == FromPlaces::Picture {
+            return exclude("shape.stack", "mechanics.myofibril_content", ADVICE);
+        }
+        if run.sarcomere_length == FromPlaces::Picture {
+            return exclude("shape.stack", "mechanics.sarcomere_length", ADVICE);
+        }
+        if matches!(run.fibre, FibreDirection::Picture(_)) && file.has("mechanics.helix_angle") {
+            let advice = "the slices show how the fibres turn; leave it out, or give fibre = \"long axis\" or an angle";
+            return exclude("mechanics.fibre", "mechanics.helix_angle", advice);
+        }
+    }
     let given = OF_FIBRES.into_iter().find(|key| file.has(key));
     if run.myofibril_content == FromPlaces::Picture {
         const CONTENT: &str = "mechanics.myofibril_content";

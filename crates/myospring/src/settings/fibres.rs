@@ -1,15 +1,48 @@
 //! The fibres of a cell: source of their direction, and what the picture shows.
 
+use super::shape::StackCell;
+use crate::analysis::order::median;
 use crate::mesh::Mesh;
 use crate::mesh::pixel_size::PixelSize;
 use crate::mesh::quality::long_axis;
+use crate::mesh::thick::Thick;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::fibres::{
     COARSEST_PIXEL_UM, Fibre as Place, FibreError, FibreField, FibreSettings, SarcomereDoubt, Stain,
 };
 use crate::microscopy::segment::Modality;
+use crate::microscopy::stack::{self, StackError, StackFibres};
 use serde::Serialize;
 use std::fmt;
+
+/// What shows the fibres of a cell.
+#[derive(Debug, Clone, Copy)]
+pub enum Shown<'a> {
+    /// A picture with its cells, and the cell.
+    Picture(&'a PictureCells, &'a PictureCell),
+    /// A stack of slices.
+    Stack(&'a StackCell),
+}
+
+/// Why fibres cannot be read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FibresError {
+    /// From a picture.
+    #[error(transparent)]
+    Picture(#[from] FibreError),
+    /// From a stack of slices.
+    #[error(transparent)]
+    Stack(Box<StackError>),
+}
+
+impl From<StackError> for FibresError {
+    fn from(error: StackError) -> Self {
+        match error {
+            StackError::Fibres(error) => Self::Picture(error),
+            error => Self::Stack(Box::new(error)),
+        }
+    }
+}
 
 /// Direction of the fibres.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +74,9 @@ pub enum NotRead {
     /// A mask.
     #[error("a mask shows none")]
     Mask,
+    /// A stain of the membrane alone.
+    #[error("a stain of the membrane shows none")]
+    Membrane,
     /// Brightfield, of which nobody said what it shows.
     #[error("a brightfield picture has no stain that shows them")]
     Brightfield,
@@ -68,6 +104,8 @@ pub struct Fibres {
     pub seen: Option<PictureFibres>,
     /// Why they were not read from the picture, with [`FibreDirection::Auto`].
     pub not_read: Option<NotRead>,
+    /// What the slices of a stack show, if they were read from it; then `directions` are those at half the height of the cell.
+    pub slices: Option<StackFibres>,
     /// Warnings, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -94,6 +132,9 @@ pub struct FibreReport {
     /// What the picture shows, if they were read from it.
     #[serde(flatten)]
     pub seen: Option<SeenReport>,
+    /// What the slices of a stack show, if they were read from it.
+    #[serde(flatten)]
+    pub slices: Option<StackFibres>,
 }
 
 /// What a picture shows of the fibres, in numbers over the cell's area.
@@ -123,7 +164,7 @@ pub struct SeenReport {
 }
 
 impl FibreDirection {
-    /// The fibres on the mesh of a cell; `picture` is where it was found.
+    /// The fibres on the mesh of a cell; `shown` shows them.
     ///
     /// # Errors
     /// A picture with pixels that are too coarse ([`FibreDirection::Picture`] only), or settings out of
@@ -140,18 +181,21 @@ impl FibreDirection {
     /// assert_eq!(fibres.directions, vec![[1.0, 0.0]; mesh.simplices.len()]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn on(
-        self,
-        mesh: &Mesh,
-        picture: Option<(&PictureCells, &PictureCell)>,
-    ) -> Result<Fibres, FibreError> {
-        match (self, picture) {
-            (Self::Picture(settings), Some((cells, cell))) => {
+    pub fn on(self, mesh: &Mesh, shown: Option<Shown<'_>>) -> Result<Fibres, FibresError> {
+        match (self, shown) {
+            (Self::Picture(settings), Some(Shown::Picture(cells, cell))) => {
                 let field = cells.fibres(cell, long_axis(mesh), &settings)?;
                 let warnings = cells.fibre_warnings(&field);
                 Ok(Fibres::read(mesh, settings, field, warnings))
             }
-            (Self::Auto(asked), Some((cells, cell))) => asked.on(mesh, cells, cell),
+            (Self::Picture(settings), Some(Shown::Stack(cell))) => {
+                Ok(cell.fibres(mesh, settings)?.unwrap_or_else(|warnings| Fibres {
+                    warnings,
+                    ..Fibres::everywhere(mesh, Self::LongAxis, long_axis(mesh))
+                }))
+            }
+            (Self::Auto(asked), Some(Shown::Picture(cells, cell))) => asked.on(mesh, cells, cell),
+            (Self::Auto(asked), Some(Shown::Stack(cell))) => asked.on_slices(mesh, cell),
             (Self::Angle(degrees), _) => {
                 let (sine, cosine) = degrees.to_radians().sin_cos();
                 Ok(Fibres::everywhere(mesh, self, [cosine, sine]))
@@ -160,6 +204,25 @@ impl FibreDirection {
                 Ok(Fibres::everywhere(mesh, Self::LongAxis, long_axis(mesh)))
             }
         }
+    }
+}
+
+impl StackCell {
+    /// The fibres of all slices, or warnings if none shows a direction.
+    fn fibres(
+        &self,
+        mesh: &Mesh,
+        settings: FibreSettings,
+    ) -> Result<Result<Fibres, Vec<String>>, StackError> {
+        let slices = self.stack.fibres(&self.voxels, long_axis(mesh), &settings, &self.options)?;
+        let [low, high] = self.voxels.bounds_um().map(|[_, _, z]| z);
+        let middle = 0.5 * (low + high);
+        let at = |[x, y]: [f64; 2]| slices.at([x, y, middle]);
+        let directions = mesh.simplices.iter().map(|triangle| at(mesh.centre(triangle)));
+        let Some(directions) = directions.collect() else { return Ok(Err(slices.warnings)) };
+        let (taken, warnings) = (FibreDirection::Picture(settings), slices.warnings.clone());
+        let slices = Some(slices);
+        Ok(Ok(Fibres { taken, directions, seen: None, not_read: None, slices, warnings }))
     }
 }
 
@@ -177,13 +240,9 @@ impl Asked {
         mesh: &Mesh,
         cells: &PictureCells,
         cell: &PictureCell,
-    ) -> Result<Fibres, FibreError> {
+    ) -> Result<Fibres, FibresError> {
         let long_axis = long_axis(mesh);
-        let instead = |reason, warnings| {
-            let not_read = Some(reason);
-            let along = Fibres::everywhere(mesh, FibreDirection::LongAxis, long_axis);
-            Ok(Fibres { not_read, warnings, ..along })
-        };
+        let instead = |reason, warnings| Ok(Fibres::along(mesh, reason, warnings));
         match (cells.segmentation().map(|found| found.modality), self.stain) {
             (Some(Modality::Mask), _) => return instead(NotRead::Mask, Vec::new()),
             (Some(Modality::Brightfield), None) => {
@@ -218,10 +277,62 @@ impl Asked {
     }
 }
 
+impl Asked {
+    /// The fibres of the slices, or the long axis and the reason. Without a stated stain, the slice in which the cell is widest must show
+    /// stripes with the period of sarcomeres.
+    fn on_slices(&self, mesh: &Mesh, cell: &StackCell) -> Result<Fibres, FibresError> {
+        let instead = |reason, warnings| Ok(Fibres::along(mesh, reason, warnings));
+        match (cell.report.modality, cell.report.stain) {
+            (Modality::Mask, _) => return instead(NotRead::Mask, Vec::new()),
+            (_, Some(stack::Stain::Membrane)) if self.stain.is_none() => {
+                return instead(NotRead::Membrane, Vec::new());
+            }
+            _ => {}
+        }
+        let settings = self.settings();
+        let axis = long_axis(mesh);
+        let StackCell { stack, voxels, options, .. } = cell;
+        let widest = match stack.fibres_of_widest(voxels, axis, &settings, options) {
+            Err(StackError::Fibres(FibreError::TooCoarse { pixel_size })) => {
+                return instead(NotRead::TooCoarse(pixel_size), Vec::new());
+            }
+            field => field?,
+        };
+        let (summary, doubts) = (widest.summary(), widest.doubts());
+        if self.stain.is_none() && summary.median_sarcomere_um.is_none() {
+            return instead(NotRead::NoSarcomeres, doubts);
+        }
+        match cell.fibres(mesh, settings)? {
+            Ok(mut fibres) => {
+                fibres.warnings.extend(doubts);
+                Ok(fibres)
+            }
+            Err(_) if self.stain.is_none() => instead(NotRead::NoSarcomeres, doubts),
+            Err(_) => instead(NotRead::Nothing, doubts),
+        }
+    }
+}
+
 impl Fibres {
+    /// The direction in each tetrahedron of a thick cell, where it is not that of the triangles below: from the slices of a stack, or by an
+    /// angle, rad, by which the fibres turn from the lowest to the highest point.
+    pub fn in_space(&self, thick: &Thick, helix_angle: f64) -> Option<Vec<[f64; 3]>> {
+        if let Some(slices) = &self.slices {
+            let tetrahedra = thick.mesh.simplices.iter().map(|of| thick.mesh.centre(of));
+            return tetrahedra.map(|at| slices.at(at).map(|[x, y]| [x, y, 0.0])).collect();
+        }
+        (helix_angle != 0.0).then(|| thick.turned(&self.directions, helix_angle))
+    }
+
+    /// Along the long axis, and why.
+    fn along(mesh: &Mesh, reason: NotRead, warnings: Vec<String>) -> Self {
+        let along = Self::everywhere(mesh, FibreDirection::LongAxis, long_axis(mesh));
+        Self { not_read: Some(reason), warnings, ..along }
+    }
+
     fn everywhere(mesh: &Mesh, taken: FibreDirection, direction: [f64; 2]) -> Self {
         let directions = vec![direction; mesh.simplices.len()];
-        Self { taken, directions, seen: None, not_read: None, warnings: Vec::new() }
+        Self { taken, directions, seen: None, not_read: None, slices: None, warnings: Vec::new() }
     }
 
     fn read(
@@ -236,6 +347,7 @@ impl Fibres {
             directions: triangles.iter().map(|place| place.direction).collect(),
             seen: Some(PictureFibres { stain: settings.stain, field, triangles }),
             not_read: None,
+            slices: None,
             warnings,
         }
     }
@@ -250,6 +362,7 @@ impl Fibres {
             },
             not_read: self.not_read.map(|reason| reason.to_string()),
             seen: self.seen.as_ref().map(PictureFibres::report),
+            slices: self.slices.clone(),
         }
     }
 }
@@ -282,6 +395,9 @@ impl PictureFibres {
 impl fmt::Display for FibreReport {
     /// `63 % of the cell read from the picture, elsewhere its long axis; sarcomeres 1.83 um (quartiles 1.79, 1.88)`.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(slices) = &self.slices {
+            return told_of_slices(slices, out);
+        }
         let Some(seen) = &self.seen else {
             match self.direction.as_str() {
                 "long axis" => write!(out, "along the cell's long axis")?,
@@ -305,5 +421,23 @@ impl fmt::Display for FibreReport {
             }
         }
         Ok(())
+    }
+}
+
+/// `read from 12 of 14 slices; from the lowest of them to the highest they turn by 24 (sd 3) degrees; sarcomeres 1.83 um`.
+fn told_of_slices(fibres: &StackFibres, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let shown = || fibres.slices.iter().filter(|slice| slice.angle_deg.is_some());
+    write!(out, "read from {} of {} slices", shown().count(), fibres.slices.len())?;
+    if let Some(helix) = fibres.helix {
+        write!(
+            out,
+            "; from the lowest of them to the highest they turn by {:.0} degrees (standard error {:.0})",
+            helix.turn_deg, helix.error_deg
+        )?;
+    }
+    let lengths: Vec<f64> = shown().filter_map(|slice| slice.sarcomere_um).collect();
+    match median(lengths) {
+        Some(length) => write!(out, "; sarcomeres {length:.2} um"),
+        None => Ok(()),
     }
 }

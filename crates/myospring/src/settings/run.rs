@@ -3,7 +3,7 @@
 use super::adhesion::{self, AdhesionError};
 use super::calcium::{self, CalciumError, Calibration};
 use super::content::{self, ContentError};
-use super::fibres::{Asked, FibreDirection, Fibres};
+use super::fibres::{Asked, FibreDirection, FibreReport, Fibres, FibresError, Shown};
 use super::models::{FromFile, Models};
 use super::places::FromPlaces;
 use super::problem::Problem;
@@ -24,7 +24,6 @@ use crate::mesh::quality::{MeshReport, long_axis};
 use crate::mesh::thick::Thick;
 use crate::mesh::{Mesh, built_in};
 use crate::microscopy::cells::{PictureCell, PictureCells};
-use crate::microscopy::fibres::FibreError;
 use crate::microscopy::outlines::trace::{Edge, trace_mask};
 use crate::microscopy::segment::Modality;
 use crate::simulation::{Numerics, Simulation, StretchFelt};
@@ -119,11 +118,21 @@ pub struct MeshedRun {
     pub picture: Option<(PictureCells, PictureCell)>,
 }
 
+impl MeshedRun {
+    /// What the picture or the stack shows of the fibres, where there is one.
+    pub fn fibres_of_picture(&self) -> Option<FibreReport> {
+        let sought = self.fibres.slices.is_some() || self.fibres.not_read.is_some();
+        (self.picture.is_some() || sought).then(|| self.fibres.report())
+    }
+}
+
 /// Quantities that vary over a cell, as lists over the triangles of its mesh, or over its nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Places {
     /// Direction of the fibres, unit vectors ([`FibreDirection::on`]).
     pub fibres: Vec<[f64; 2]>,
+    /// Their direction in the tetrahedra of a thick cell ([`Fibres::in_space`]); `None` is that of the triangles below.
+    pub fibres_in_space: Option<Vec<[f64; 3]>>,
     /// Content of myofibrils; `None` is 1 everywhere.
     pub myofibril_content: Option<Vec<f64>>,
     /// Stretch of the myofilaments in the cell at rest; `None` is 1 everywhere.
@@ -137,7 +146,7 @@ pub struct Places {
 pub enum MakeError {
     /// The picture shows no fibres.
     #[error(transparent)]
-    Fibre(#[from] FibreError),
+    Fibre(#[from] FibresError),
     /// The content of myofibrils cannot be read.
     #[error(transparent)]
     Content(#[from] ContentError),
@@ -272,11 +281,12 @@ impl Run {
         shaped: Shaped,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
     ) -> Result<MeshedRun, MakeError> {
-        let Shaped { mesh, thick, mut report, outline, mut picture } = shaped;
-        if let Some((cells, _)) = &mut picture {
+        let mut shaped = shaped;
+        if let Some((cells, _)) = &mut shaped.picture {
             cells.interruption = self.interruption.clone();
         }
-        let fibres = self.fibre.on(&mesh, picture.as_ref().map(|(cells, cell)| (cells, cell)))?;
+        let fibres = self.fibres(&shaped)?;
+        let Shaped { mesh, thick, mut report, outline, picture, .. } = shaped;
         report.warnings.extend(fibres.warnings.iter().cloned());
         let cells = picture.as_ref().map(|(cells, _)| cells);
         let chosen = self.shape.source.picture().map(|picture| &picture.options.selection);
@@ -312,9 +322,11 @@ impl Run {
         let (cell, warning) = self.driven(read)?;
         report.warnings.extend(warning);
         report.warnings.extend(self.wave_warning(report.dimensions.length_um));
-        let fibre_directions = fibres.directions.clone();
+        let turned =
+            thick.as_ref().and_then(|thick| fibres.in_space(thick, self.helix_angle.to_radians()));
         let places = Places {
-            fibres: fibre_directions,
+            fibres: fibres.directions.clone(),
+            fibres_in_space: turned,
             myofibril_content: content,
             resting_stretch,
             adhesion,
@@ -329,6 +341,17 @@ impl Run {
         let smooth = of_mask.and_then(|(_, cell)| trace_mask(&cell.mask, Edge::Smooth).ok());
         let outline = smooth.unwrap_or(outline);
         Ok(MeshedRun { simulation, report, outline, fibres, picture })
+    }
+
+    /// The fibres of a cell. Those of a stack are not read from its slices if the angle is stated by which they turn.
+    ///
+    /// # Errors
+    /// Fibres that cannot be read.
+    pub fn fibres(&self, shaped: &Shaped) -> Result<Fibres, FibresError> {
+        let states_turn = self.helix_angle != 0.0;
+        let shown =
+            shaped.shown().filter(|shown| !(states_turn && matches!(shown, Shown::Stack(_))));
+        self.fibre.on(&shaped.mesh, shown)
     }
 
     /// The cell model with its published parameters.
@@ -395,7 +418,8 @@ impl Run {
     /// Makes the simulation of this run on a mesh with quantities by place, without reading files;
     /// the cell model must already have its calcium ([`Run::driven`]).
     pub fn simulation(&self, mesh: Mesh, thick: Option<Arc<Thick>>, places: Places) -> Simulation {
-        let Places { fibres, myofibril_content, resting_stretch, adhesion } = places;
+        let Places { fibres, fibres_in_space, myofibril_content, resting_stretch, adhesion } =
+            places;
         let long_axis = long_axis(&mesh);
         Simulation {
             cell: Arc::clone(&self.cell),
@@ -413,7 +437,7 @@ impl Run {
             fibres,
             mesh,
             thick,
-            helix_angle: self.helix_angle.to_radians(),
+            fibres_in_space,
             material: self.material.clone(),
             active: self.active,
             support: self.support,

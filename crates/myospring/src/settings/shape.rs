@@ -1,5 +1,6 @@
 //! Turns the shape of a run file into a mesh.
 
+use super::fibres::Shown;
 use crate::measured::decoded;
 use crate::mesh::Mesh;
 use crate::mesh::built_in::BuiltIn;
@@ -9,6 +10,7 @@ use crate::mesh::outline::{Outline, OutlineError};
 use crate::mesh::pixel_size::PixelSize;
 use crate::mesh::quality::{MeshReport, outline_dimensions};
 use crate::mesh::thick::{self, Form, Thick};
+use crate::mesh::voxels::Voxels;
 use crate::microscopy::cells::{CellError, PictureCell, PictureCells, PictureOptions};
 use crate::microscopy::outlines::trace::{Edge, trace_mask};
 use crate::microscopy::outlines::{
@@ -17,7 +19,7 @@ use crate::microscopy::outlines::{
 use crate::microscopy::report::{USUAL_AREAS_UM2, impossible_size};
 use crate::microscopy::segment::Choice;
 use crate::microscopy::stack::{
-    FirstSlice, Stack, StackError, StackOptions, StackSelection, Stain,
+    FirstSlice, Stack, StackError, StackOptions, StackReport, StackSelection, Stain,
 };
 use std::io;
 use std::path::Path;
@@ -136,6 +138,29 @@ pub struct Shaped {
     pub outline: Outline,
     /// The picture with its cells, and the chosen one.
     pub picture: Option<(PictureCells, PictureCell)>,
+    /// The stack of slices with the cell in it.
+    pub stack: Option<Arc<StackCell>>,
+}
+
+/// A cell in a stack of slices.
+#[derive(Debug, Clone)]
+pub struct StackCell {
+    /// The slices.
+    pub stack: Stack,
+    /// The cell.
+    pub voxels: Voxels,
+    /// How it was found.
+    pub options: StackOptions,
+    /// What is known of it.
+    pub report: StackReport,
+}
+
+impl Shaped {
+    /// What shows the fibres of the cell, if anything does.
+    pub fn shown(&self) -> Option<Shown<'_>> {
+        let picture = self.picture.as_ref().map(|(cells, cell)| Shown::Picture(cells, cell));
+        picture.or(self.stack.as_deref().map(Shown::Stack))
+    }
 }
 
 /// The mesh of a cell, with its report.
@@ -321,7 +346,7 @@ impl Shape {
             let meshed = self.of_outline(&outline).map_err(|cause| self.unmeshed(cause))?;
             let Meshed { mesh, thick, mut report } = meshed;
             report.warnings.extend(notes);
-            return Ok(Shaped { mesh, thick, report, outline, picture: None });
+            return Ok(Shaped { mesh, thick, report, outline, picture: None, stack: None });
         };
         if let Some(slices) = picture.slices {
             return self.mesh_stack(picture, slices, bytes);
@@ -368,8 +393,8 @@ impl Shape {
         let (voxels, found) = stack.cell(&options).map_err(failed)?;
         let meshed = thick::from_voxels(&voxels, self.spacing);
         let (mesh, thick, mut report) = meshed.map_err(|cause| self.unmeshed(cause))?;
-        report.warnings.extend(found.notes);
-        report.warnings.extend(found.warnings);
+        report.warnings.extend(found.notes.iter().cloned());
+        report.warnings.extend(found.warnings.iter().cloned());
         report.touches_frame = found.touched.sides;
         let outline = voxels.above().ok().and_then(|mask| trace_mask(&mask, Edge::Smooth).ok());
         let outline = outline.ok_or_else(|| {
@@ -381,7 +406,8 @@ impl Shape {
         self.possible(impossible_size(length, outline.area(), areas_um2), || {
             (format!("Its pixels are {} um wide", found.pixel_um), "the pixel size (--pixel-size)")
         })?;
-        Ok(Shaped { mesh, thick: Some(Arc::new(thick)), report, outline, picture: None })
+        let stack = Some(Arc::new(StackCell { stack, voxels, options, report: found }));
+        Ok(Shaped { mesh, thick: Some(Arc::new(thick)), report, outline, picture: None, stack })
     }
 
     /// Meshes one cell of a picture, with a warning if others were not taken.
@@ -412,7 +438,7 @@ impl Shape {
         report.warnings.extend(cells.notes.iter().cloned());
         report.warnings.extend(cell.warnings());
         let outline = cell.outline.clone();
-        Ok(Shaped { mesh, thick, report, outline, picture: Some((cells, cell)) })
+        Ok(Shaped { mesh, thick, report, outline, picture: Some((cells, cell)), stack: None })
     }
 
     /// Rejects a cell of a picture whose size is impossible for a heart cell, unless any size is

@@ -43,3 +43,16 @@ fn no_file_of_the_corpus_makes_the_reader_of_films_panic() {
     }
     assert!(read > 40, "{read} frames");
 }
+
+#[test]
+fn no_file_of_films_or_pictures_makes_the_reader_of_stacks_panic() {
+    let mut slices = 0;
+    for (path, bytes) in files("film").into_iter().chain(files("picture")) {
+        println!("{}", path.display());
+        slices += film_bytes::exercise_stack(&bytes);
+        for part in 1..20 {
+            film_bytes::exercise_stack(&bytes[..bytes.len() * part / 20]);
+        }
+    }
+    assert!(slices > 20, "{slices} slices");
+}

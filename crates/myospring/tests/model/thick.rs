@@ -142,7 +142,8 @@ fn a_bed_under_a_thick_cell_holds_its_lower_face_more_than_its_upper_one() {
 fn fibres_that_turn_through_the_thickness_shorten_the_cell_less_and_keep_its_volume() {
     let mut simulation = block();
     let straight = peak(&simulation);
-    simulation.helix_angle = 50_f64.to_radians();
+    let thick = simulation.thick.as_ref().unwrap();
+    simulation.fibres_in_space = Some(thick.turned(&simulation.fibres, 50_f64.to_radians()));
     let outcome = beaten(&simulation);
     let turned = outcome.beats()[0].value("peak_shortening").unwrap();
     assert!(turned < straight - 0.5 && turned > 0.5 * straight, "{turned}, {straight}");

@@ -56,6 +56,14 @@ fn the_turn_of_the_fibres_is_measured_with_its_error() {
         let off = helix.turn_deg - per_slice * (SLICES - 1) as f64;
         assert!(off.abs() < 1.5 && helix.error_deg < 1.0, "{helix:?}");
         assert_eq!((helix.slices, helix.heights_um), (SLICES, [0.5, 8.5]));
+        // Between slices it turns evenly; beyond the outermost it does not.
+        for (height, level) in [(0.0, 0.0), (3.5, 3.0), (4.2, 3.7), (9.0, 8.0)] {
+            let [x, y] = fibres.at([20.0, 11.0, height]).unwrap();
+            let off = y.atan2(x).to_degrees() - 20.0 - per_slice * level;
+            assert!((off - 180.0 * (off / 180.0).round()).abs() < 2.0, "{height}: {off}");
+        }
+        let widest = stack.fibres_of_widest(&voxels, [1.0, 0.0], &zdisc, &settings()).unwrap();
+        assert!((widest.summary().median_sarcomere_um.unwrap() - 1.8).abs() < 0.02);
     }
 }
 
@@ -66,6 +74,9 @@ fn slices_without_stripes_have_no_direction() {
     let fibres = stack.fibres(&voxels, [1.0, 0.0], &zdisc, &settings()).unwrap();
     assert_eq!(fibres.slices.iter().filter(|slice| slice.angle_deg.is_some()).count(), 2);
     assert_eq!(fibres.helix, None);
+    // Where no slice shows a direction, it is that of the nearest that does.
+    let angle = |height| fibres.at([20.0, 11.0, height]).map(|[x, y]| y.atan2(x));
+    assert_eq!(angle(8.0), angle(1.5));
     assert!(
         fibres.warnings[0].starts_with("7 of 9 slices show no fibres"),
         "{:?}",

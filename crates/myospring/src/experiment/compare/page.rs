@@ -2,7 +2,7 @@
 
 use super::side::{Shown, Side};
 use crate::analysis::summary::Summary;
-use crate::experiment::run::parameters;
+use crate::experiment::run::{parameters, thick_cell};
 use crate::experiment::{ExperimentError, Inputs, citations};
 use crate::output::field::Field;
 use crate::output::page::{Difference, Page, PageError, PageRun, Runs};
@@ -81,15 +81,15 @@ fn on_page<'a>(side: &'a Side, shown: &'a Shown, owned: &'a Owned, inputs: &Inpu
         label: &side.label,
         summary: &owned.summary,
         recording: &side.recording,
-        mesh: &shown.mesh,
-        fibres: &shown.fibres,
-        myofibril_content: shown.content.as_deref(),
+        mesh: &shown.simulation.mesh,
+        fibres: &shown.simulation.fibres,
+        myofibril_content: shown.simulation.myofibril_content.as_deref(),
         outline: &shown.outline,
         stimulus_times_ms: &side.stimuli,
         parameters: parameters(&shown.run, inputs),
         run_file: &owned.run_file,
         citations: &owned.citations,
         picture: None,
-        thick: None,
+        thick: thick_cell(&shown.simulation, &side.recording, shown.in_space.as_ref()),
     }
 }

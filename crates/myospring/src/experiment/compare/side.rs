@@ -16,7 +16,7 @@ use crate::output::{csv, frames};
 use crate::recording::{Frame, Recording};
 use crate::run_file::RunFile;
 use crate::settings::{MeshedRun, Run};
-use crate::simulation::Outcome as Simulated;
+use crate::simulation::{InSpace, Outcome as Simulated, Simulation};
 use crate::study::sha256;
 use std::path::Path;
 
@@ -59,11 +59,11 @@ pub struct Side {
 #[derive(Clone)]
 pub(super) struct Shown {
     pub(super) run: Run,
-    pub(super) mesh: Mesh,
+    pub(super) simulation: Simulation,
+    /// What the tetrahedra of a thick cell have.
+    pub(super) in_space: Option<InSpace>,
     pub(super) report: MeshReport,
     pub(super) outline: Outline,
-    pub(super) fibres: Vec<[f64; 2]>,
-    pub(super) content: Option<Vec<f64>>,
 }
 
 impl Side {
@@ -269,11 +269,10 @@ impl Shown {
         let MeshedRun { simulation, report, outline, .. } = made;
         Self {
             run,
-            mesh: simulation.mesh.clone(),
+            simulation: simulation.clone(),
+            in_space: simulation.in_space(),
             report: report.clone(),
             outline: outline.clone(),
-            fibres: simulation.fibres.clone(),
-            content: simulation.myofibril_content.clone(),
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::analysis::summary::Summary;
 use crate::cell::CellModel;
 use crate::experiment::analyse::figures::loops;
 use crate::experiment::analyse::means_of;
-use crate::experiment::run::parameters;
+use crate::experiment::run::{parameters, thick_cell};
 use crate::experiment::tension_map::FilmMap;
 use crate::experiment::{ExperimentError, citations};
 use crate::fit::{Estimate, Fit, FitVerdict, OF_OWN_TENSION, Unknown};
@@ -39,6 +39,7 @@ pub(super) fn html(
     let title = format!("Fit of {cell}");
     let frames: usize = fit.curves.iter().map(|curve| curve.times_ms.len()).sum();
     let facts = vec![fits.name.clone(), model.name().to_owned(), format!("{frames} frames")];
+    let in_space = simulation.in_space();
     let shown = PageRun {
         label: "fitted",
         summary: &summary,
@@ -52,7 +53,7 @@ pub(super) fn html(
         run_file,
         citations: &citations,
         picture: None,
-        thick: None,
+        thick: thick_cell(simulation, &outcome.recording, in_space.as_ref()),
     };
     let runs = Runs { runs: vec![shown], differences: &[] };
     let start = outcome.stimulus_times_ms.first().copied().unwrap_or_default();

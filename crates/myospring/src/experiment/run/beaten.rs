@@ -61,7 +61,7 @@ impl FinishedRun {
 
     /// The numbers, as `summary.json` has them.
     pub fn all_numbers(&self) -> RunNumbers<'_> {
-        let fibres = self.made.picture.is_some().then(|| self.made.fibres.report());
+        let fibres = self.made.fibres_of_picture();
         RunNumbers { summary: &self.summary, fibres, integration: self.outcome.effort }
     }
 }

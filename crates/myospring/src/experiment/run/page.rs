@@ -71,7 +71,8 @@ pub(in crate::experiment) fn thick_cell<'a>(
     in_space: Option<&'a InSpace>,
 ) -> Option<ThickCell<'a>> {
     let (thick, InSpace { fibres, myofibril_content }) = simulation.thick.as_ref().zip(in_space)?;
-    Some(ThickCell {
+    // Results that were read have none.
+    (!recording.in_space.is_empty()).then_some(ThickCell {
         mesh: &thick.mesh,
         frames: &recording.in_space,
         fibres,

@@ -2,11 +2,10 @@
 
 use crate::mesh::Mesh;
 use crate::microscopy::cells::{PictureCell, PictureCells};
-use crate::microscopy::fibres::FibreError;
 use crate::microscopy::report::ShapeReport;
 use crate::microscopy::segment::Confidence;
 use crate::run_file::{Shape, ShapeError};
-use crate::settings::{FibreDirection, FibreReport, Fibres, Meshed};
+use crate::settings::{FibreDirection, FibreReport, Fibres, FibresError, Meshed, Shown};
 use serde::Serialize;
 
 /// What was found, as `report.json` has it.
@@ -100,9 +99,9 @@ impl Chosen {
         &mut self,
         fibre: FibreDirection,
         cells: &PictureCells,
-    ) -> Result<(), FibreError> {
+    ) -> Result<(), FibresError> {
         if let Ok(Meshed { mesh, .. }) = &self.lattice {
-            self.fibres = Some(fibre.on(mesh, Some((cells, &self.cell)))?);
+            self.fibres = Some(fibre.on(mesh, Some(Shown::Picture(cells, &self.cell)))?);
         }
         Ok(())
     }

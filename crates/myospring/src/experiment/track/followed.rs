@@ -243,10 +243,10 @@ pub(super) struct FrameCells {
 
 impl CellShape {
     fn of(run: Run, shaped: Shaped) -> Result<Self, ExperimentError> {
-        let Some((cells, cell)) = &shaped.picture else {
+        if shaped.picture.is_none() {
             return Err(ExperimentError::new("the film shows no cell"));
-        };
-        let fibres = run.fibre.on(&shaped.mesh, Some((cells, cell)))?;
+        }
+        let fibres = run.fibres(&shaped)?;
         Ok(Self { run, shaped, fibres })
     }
 

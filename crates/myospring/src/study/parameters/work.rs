@@ -77,8 +77,12 @@ const TENSION_ONLY: [&str; 3] = ["cell.", "stimulus.", "run."];
 /// Keys of numbers that decide the mesh.
 const SHAPING: [&str; 2] = ["shape.", "segmentation."];
 /// Keys of numbers that decide the fibres on it.
-const FIBRES: [&str; 3] =
-    ["mechanics.fibre", "mechanics.myofibril_content", "mechanics.sarcomere_"];
+const FIBRES: [&str; 4] = [
+    "mechanics.fibre",
+    "mechanics.helix_angle",
+    "mechanics.myofibril_content",
+    "mechanics.sarcomere_",
+];
 
 impl Common {
     /// Prepares what members share, and simulates the unchanged run. `read` reads a file by its
@@ -323,10 +327,10 @@ impl Common {
         };
         let same_shape = !self.keys().any(shapes);
         let same_mesh = same_shape && !self.keys().any(|key| starts(key, &FIBRES));
-        let Simulation {
-            mesh, thick, fibres, myofibril_content, resting_stretch, adhesion, ..
-        } = made;
-        let places = Places { fibres, myofibril_content, resting_stretch, adhesion };
+        let Simulation { mesh, thick, fibres, fibres_in_space, .. } = made;
+        let Simulation { myofibril_content, resting_stretch, adhesion, .. } = made;
+        let places =
+            Places { fibres, fibres_in_space, myofibril_content, resting_stretch, adhesion };
         self.body = Some(Body {
             bytes,
             shaped: Some(shaped).filter(|_| same_shape && !same_mesh),
