@@ -296,11 +296,11 @@ fn frequency(across: usize, poisson: f64) -> Result<f64, Failure> {
     };
     // Times at which it crosses rest, over several periods.
     let (mut before, mut crossings) = (along(&motion.body.positions), Vec::new());
-    for at in 1.. {
+    for at in 1_u32.. {
         motion.advance(1, [0.0; 2])?;
         let now = along(&motion.body.positions);
         if before * now <= 0.0 {
-            crossings.push((at as f64 - now / (now - before)) * step);
+            crossings.push((f64::from(at) - now / (now - before)) * step);
         }
         if crossings.len() == 7 {
             break;

@@ -168,7 +168,7 @@ fn myofilaments_that_feel_length_pull_stronger_on_a_stiffer_gel() {
             ..on(Gel::half_space(modulus), 5.0)
         };
         simulation.numerics.exchange_interval = 2.0;
-        simulation.numerics.output_interval = 2.0;
+        simulation.numerics.output_interval = 1.0;
         simulation
     };
     let strength = |simulation: &Simulation| {
