@@ -27,8 +27,15 @@ pub(crate) fn run() -> Result<(), String> {
     component("rustfmt", "fmt")?;
     component("clippy", "clippy")?;
     let mut checks = Checks::default();
-    let failures: Vec<String> =
-        Checks::ALL.iter().filter_map(|check| check(&mut checks).err()).collect();
+    // Downloads and installations take their time while the first checks compile; what fails here is said where it is needed.
+    let ready = std::thread::spawn(prepare);
+    let (first, others) = Checks::ALL.split_at(Checks::WITHOUT_TOOLS);
+    let mut make = |checks_of: &[Check]| -> Vec<String> {
+        checks_of.iter().filter_map(|check| check(&mut checks).err()).collect()
+    };
+    let mut failures = make(first);
+    ready.join().ok();
+    failures.extend(make(others));
     say(&checks.summary());
     if failures.is_empty() {
         return Ok(());
@@ -36,10 +43,29 @@ pub(crate) fn run() -> Result<(), String> {
     Err(format!("failed:\n   {}", failures.join("\n   ")))
 }
 
+/// Environments of Python, tools of the page and browsers.
+fn prepare() {
+    python::find_or_make(RESULTS.0, RESULTS.1, RESULTS.2).ok();
+    python::find_or_make(PACKAGE.0, PACKAGE.1, PACKAGE.2).ok();
+    page::installed().ok();
+    page::chromium().ok();
+    page::firefox().ok();
+}
+
+/// Of a Python environment: the variable that names another one, its folder, and what it needs.
+type Environment = (&'static str, &'static str, &'static str);
+const RESULTS: Environment =
+    ("MYOSPRING_RESULTS_PYTHON", "target/results/venv", "verification/results.txt");
+const PACKAGE: Environment =
+    ("MYOSPRING_PACKAGE_PYTHON", "target/python/venv", "crates/myospring-py/requirements.txt");
+
 /// A check, or several that need each other.
 type Check = fn(&mut Checks) -> Result<(), String>;
 
 impl Checks {
+    /// As many of the first need no more than the compiler.
+    const WITHOUT_TOOLS: usize = 7;
+
     /// All checks, cheapest first.
     const ALL: [Check; 13] = [
         |checks| checks.step("format", cargo(["fmt", "--all", "--check"])),
@@ -170,10 +196,7 @@ impl Checks {
     /// What a run leaves, read by NumPy, VTK and meshio; the guide's examples.
     fn results(&mut self) -> Result<(), String> {
         let name = "results read by NumPy, VTK and meshio";
-        let requirements = "verification/results.txt";
-        let found =
-            self.python(name, "MYOSPRING_RESULTS_PYTHON", "target/results/venv", requirements);
-        let Some(python) = found else { return Ok(()) };
+        let Some(python) = self.python(name, RESULTS) else { return Ok(()) };
         let folder = temporary()?;
         let beat = folder.path().join("beat");
         let mut run = Command::new(program("debug", "myospring"));
@@ -189,9 +212,7 @@ impl Checks {
     fn python(
         &mut self,
         name: &'static str,
-        named: &str,
-        folder: &str,
-        requirements: &str,
+        (named, folder, requirements): Environment,
     ) -> Option<Python> {
         let found = python::find_or_make(named, folder, requirements);
         found.map_err(|why| self.skip(name, &why)).ok()

@@ -1,6 +1,6 @@
 //! The Python package: its wheel, as the tests have built its parts, in an environment of its own.
 
-use super::Checks;
+use super::{Checks, PACKAGE};
 use crate::licences;
 use crate::tools::{root, temporary};
 use std::path::PathBuf;
@@ -11,10 +11,7 @@ impl Checks {
     /// of the part in Rust is so.
     pub(super) fn package(&mut self) -> Result<(), String> {
         let name = "the Python package: pytest, mypy and stubtest";
-        let requirements = "crates/myospring-py/requirements.txt";
-        let found =
-            self.python(name, "MYOSPRING_PACKAGE_PYTHON", "target/python/venv", requirements);
-        let Some(python) = found else { return Ok(()) };
+        let Some(python) = self.python(name, PACKAGE) else { return Ok(()) };
         let folder = temporary()?;
         let within = |mut command: Command| {
             command.current_dir(source());

@@ -46,7 +46,7 @@ use crate::mechanics::support::Support;
 use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
 use crate::mesh::Place;
 use equilibrium::{Failure, Rest, Solver, largest};
-use shapes::{Knot, extrapolate, interpolate};
+use shapes::{Knot, interpolate};
 use std::ops::Deref;
 
 /// If the error of a step of the least length exceeds the tolerance by this factor, the step leads
@@ -155,7 +155,6 @@ impl<'a, const D: usize> Path<'a, D> {
             extent,
             branches: [vec![knot.clone()], vec![knot]],
             steps: [0.0; 2],
-            convergence: [None; 2],
             error: 0.0,
             delay,
             newton_iterations,
@@ -258,23 +257,14 @@ impl<'a, const D: usize> Path<'a, D> {
         &branch[branch.len() - 1]
     }
 
-    /// The equilibrium near `start`, and how far it is from where `cubic` expects it.
-    fn find(
-        &mut self,
-        side: usize,
-        start: &Vectors<D>,
-        cubic: &Vectors<D>,
-        tension: f64,
-    ) -> Result<(Knot<D>, f64), Failure> {
+    fn find(&mut self, guess: &Vectors<D>, tension: f64) -> Result<(Knot<D>, f64), Failure> {
         let tolerance = self.tolerance.equilibrium * self.extent;
-        let convergence = self.convergence[side];
-        let rest = self.solver.find(start, tension, tolerance, convergence)?;
-        self.shapes.convergence[side] = rest.convergence().or(convergence);
-        let Rest { positions, slope, corrections, .. } = rest;
+        let found = self.solver.find(guess, tension, tolerance);
+        let Rest { positions, slope, corrections, .. } = found?;
         self.shapes.newton_iterations += corrections.len();
         let mut missed = 0.0_f64;
         for axis in 0..D {
-            for (a, b) in positions[axis].iter().zip(&cubic[axis]) {
+            for (a, b) in positions[axis].iter().zip(&guess[axis]) {
                 missed = missed.max((a - b).abs());
             }
         }
@@ -307,9 +297,9 @@ impl<'a, const D: usize> Path<'a, D> {
                 *x += step * slope;
             }
         }
-        let (end, _) = self.find(side, &guess, &guess, step)?;
+        let (end, _) = self.find(&guess, step)?;
         interpolate(&rest, &end, 0.5 * step, &mut guess);
-        let (middle, missed) = self.find(side, &guess, &guess, 0.5 * step)?;
+        let (middle, missed) = self.find(&guess, 0.5 * step)?;
         // With half the length, a cubic has 1/16 of the error.
         Ok(self.judge(side, missed / 16.0, shortest, vec![middle, end]))
     }
@@ -320,10 +310,7 @@ impl<'a, const D: usize> Path<'a, D> {
         let (done, tension) = (last.tension - before.tension, last.tension + step);
         let mut guess = zeros(last.positions[0].len());
         interpolate(before, last, tension, &mut guess);
-        // A better start saves an iteration, which with three axes is most of the time.
-        let better =
-            (D > 2 && branch.len() > 2).then(|| extrapolate(&branch[branch.len() - 3..], tension));
-        let (knot, missed) = self.find(side, better.as_ref().unwrap_or(&guess), &guess, tension)?;
+        let (knot, missed) = self.find(&guess, tension)?;
         let error = missed * (step / (4.0 * (done + step))).powi(2);
         Ok(self.judge(side, error, shortest, vec![knot]))
     }

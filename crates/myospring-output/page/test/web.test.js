@@ -56,6 +56,26 @@ test("every model and every support beats", async () => {
   });
 });
 
+test("a cell with a section of its own beats in space, and becomes flat again", async () => {
+  await opened({}, async (page) => {
+    const choose = async (/** @type {string} */ name) => {
+      const before = await runsOf(page);
+      await page.getByRole("combobox", { name: "section", exact: true }).selectOption(name);
+      await ran(page, before + 1);
+    };
+    assert.equal(await page.getByRole("slider", { name: "turn of the fibres" }).isVisible(), false);
+    await choose("dome");
+    assert.ok(await page.isVisible("canvas.turns"));
+    assert.equal(await tile(page, "peak shortening"), "12.00 %");
+    await shot(page, "dome");
+    await slide(page, "turn of the fibres", "PageUp");
+    assert.notEqual(await tile(page, "peak shortening"), "12.00 %");
+    await choose("flat");
+    assert.equal(await page.locator("canvas.turns").count(), 0);
+    assert.equal(await tile(page, "peak shortening"), "12.01 %");
+  });
+});
+
 test("a run is pinned, and the next one compared with it", async () => {
   await opened({}, async (page) => {
     await page.getByRole("button", { name: "Pin this run" }).click();

@@ -167,7 +167,7 @@ fn myofilaments_that_feel_length_pull_stronger_on_a_stiffer_gel() {
             duration: 160.0,
             ..on(Gel::half_space(modulus), 5.0)
         };
-        simulation.numerics.exchange_interval = 2.0;
+        simulation.numerics.exchange_interval = 1.0;
         simulation.numerics.output_interval = 1.0;
         simulation
     };

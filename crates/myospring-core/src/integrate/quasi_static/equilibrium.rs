@@ -65,40 +65,6 @@ pub(super) struct Rest<const D: usize> {
     pub(super) compliance: f64,
 }
 
-impl<const D: usize> Rest<D> {
-    /// How fast Newton's method converged, 1/um: the largest correction over the square of that before; `None` of a single one.
-    pub(super) fn convergence(&self) -> Option<f64> {
-        let pairs = self.corrections.windows(2).map(|pair| pair[1] / pair[0].powi(2));
-        pairs.reduce(f64::max)
-    }
-}
-
-/// When a search ends.
-#[derive(Clone, Copy)]
-struct End {
-    /// Largest correction after which no other follows, um.
-    tolerance: f64,
-    /// [`Rest::convergence`] of equilibria near by.
-    convergence: Option<f64>,
-    /// Whether a step to where the stiffness is not positive definite is shortened.
-    shortens: bool,
-}
-
-impl End {
-    /// Whether the correction after the last of these would be below the tolerance, with a margin.
-    ///
-    /// With three axes the factorisation takes nearly all the time, and one that only confirms this is saved.
-    fn is_reached_by(&self, corrections: &[f64]) -> bool {
-        const MARGIN: f64 = 4.0;
-        let convergence = match corrections {
-            [.., before, last] => Some(last / before.powi(2)),
-            _ => self.convergence,
-        };
-        let last = corrections.last().copied().unwrap_or(f64::INFINITY);
-        convergence.is_some_and(|rate| MARGIN * rate * last.powi(2) <= self.tolerance)
-    }
-}
-
 /// Finds equilibria of one body.
 pub(super) struct Solver<'a, const D: usize = 2> {
     system: &'a System<D>,
@@ -211,16 +177,14 @@ impl<'a, const D: usize> Solver<'a, D> {
     }
 
     /// The equilibrium under a uniform tension (kPa) near a guess, with its slope; corrections below
-    /// `tolerance` (um) end the search. `convergence` is known from equilibria near by ([`Rest::convergence`]).
+    /// `tolerance` (um) end the search.
     pub(super) fn find(
         &mut self,
         guess: &Vectors<D>,
         tension: f64,
         tolerance: f64,
-        convergence: Option<f64>,
     ) -> Result<Rest<D>, Failure> {
-        let end = End { tolerance, convergence, shortens: false };
-        let (positions, corrections) = self.settle(guess, tension.into(), end)?;
+        let (positions, corrections) = self.settle(guess, tension.into(), tolerance, false)?;
         Ok(self.at_rest(positions, tension, corrections))
     }
 
@@ -231,8 +195,7 @@ impl<'a, const D: usize> Solver<'a, D> {
         guess: &Vectors<D>,
         tolerance: f64,
     ) -> Result<Rest<D>, Failure> {
-        let end = End { tolerance, convergence: None, shortens: true };
-        let (positions, corrections) = self.settle(guess, 0.0.into(), end)?;
+        let (positions, corrections) = self.settle(guess, 0.0.into(), tolerance, true)?;
         Ok(self.at_rest(positions, 0.0, corrections))
     }
 
@@ -244,8 +207,7 @@ impl<'a, const D: usize> Solver<'a, D> {
         tension: Tension<'_>,
         tolerance: f64,
     ) -> Result<(Vectors<D>, Vec<f64>), Failure> {
-        let end = End { tolerance, convergence: None, shortens: false };
-        let (positions, corrections) = self.settle(guess, tension, end)?;
+        let (positions, corrections) = self.settle(guess, tension, tolerance, false)?;
         let positions = match self.system.support {
             Support::MassCentre | Support::Free if adrift(self.system) => {
                 self.in_place(positions, zeros(self.body.len())).0
@@ -259,9 +221,9 @@ impl<'a, const D: usize> Solver<'a, D> {
         &mut self,
         guess: &Vectors<D>,
         tension: Tension<'_>,
-        end: End,
+        tolerance: f64,
+        shortens: bool,
     ) -> Result<(Vectors<D>, Vec<f64>), Failure> {
-        let End { tolerance, shortens, .. } = end;
         let mut positions = guess.clone();
         let mut corrections = Vec::new();
         // The last step: from where, in which direction, and how far.
@@ -291,7 +253,6 @@ impl<'a, const D: usize> Solver<'a, D> {
                 }
                 return Ok((positions, corrections));
             }
-            let is_last = D > 2 && end.is_reached_by(&corrections);
             // K is positive definite, so the energy falls in this direction, at this rate.
             let drop = product(&forces, &correction);
             let mut part = 1.0;
@@ -309,9 +270,6 @@ impl<'a, const D: usize> Solver<'a, D> {
                 if part < 1e-6 {
                     return Err(Failure::NoRest);
                 }
-            }
-            if is_last && part == 1.0 {
-                return Ok((positions, corrections));
             }
         }
         Err(Failure::NoRest)
@@ -540,7 +498,7 @@ mod tests {
                 20.0,
             );
             let rest = Solver::new(&system, &body, &Interruption::default())
-                .find(&body.positions, 50.0, 1e-9, None)
+                .find(&body.positions, 50.0, 1e-9)
                 .unwrap();
             let sizes = rest.corrections;
             // Once near, each correction is of the order of the square of the one before, in um.

@@ -24,8 +24,6 @@ pub struct Shapes<const D: usize = 2> {
     pub(super) branches: [Vec<Knot<D>>; 2],
     /// Length of the next load step on each branch, kPa; 0 if none was made.
     pub(super) steps: [f64; 2],
-    /// How fast Newton's method last converged on each branch, 1/um.
-    pub(super) convergence: [Option<f64>; 2],
     pub(super) error: f64,
     pub(super) delay: f64,
     pub(super) newton_iterations: usize,
@@ -135,51 +133,5 @@ pub(super) fn interpolate<const D: usize>(
             let moved = end * (x1[node] - x0[node]) + leave * d0[node] + arrive * d1[node];
             *position = x0[node] + moved;
         }
-    }
-}
-
-/// The polynomial through knots with their slopes (Hermite's), at a tension.
-pub(super) fn extrapolate<const D: usize>(knots: &[Knot<D>], tension: f64) -> Vectors<D> {
-    let last = &knots[knots.len() - 1];
-    let mut positions = last.positions.clone();
-    for (at, knot) in knots.iter().enumerate() {
-        // Lagrange's polynomial of this knot, and its slope there.
-        let (mut lagrange, mut rate) = (1.0, 0.0);
-        for other in knots.iter().enumerate().filter(|(other, _)| *other != at).map(|(_, it)| it) {
-            let width = knot.tension - other.tension;
-            lagrange *= (tension - other.tension) / width;
-            rate += 1.0 / width;
-        }
-        let away = tension - knot.tension;
-        let value = (1.0 - 2.0 * away * rate) * lagrange * lagrange;
-        let slope = away * lagrange * lagrange;
-        for axis in 0..D {
-            let from = knot.positions[axis].iter().zip(&last.positions[axis]);
-            let moved = from.zip(&knot.slope[axis]);
-            // The values add up to 1, so a held node keeps its position exactly.
-            for (position, ((x, x_last), d)) in positions[axis].iter_mut().zip(moved) {
-                *position += value * (x - x_last) + slope * d;
-            }
-        }
-    }
-    positions
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_polynomial_of_the_fifth_degree_is_extrapolated_through_three_knots() {
-        let value = |t: f64| 1.0 - 2.0 * t + 0.3 * t.powi(3) - 0.07 * t.powi(4) + 0.01 * t.powi(5);
-        let slope = |t: f64| -2.0 + 0.9 * t * t - 0.28 * t.powi(3) + 0.05 * t.powi(4);
-        let knot = |t: f64| Knot {
-            tension: t,
-            positions: [vec![value(t), 7.0]],
-            slope: [vec![slope(t), 0.0]],
-        };
-        let [found] = extrapolate(&[knot(0.0), knot(0.7), knot(2.0)], 3.5);
-        assert!((found[0] - value(3.5)).abs() < 1e-12, "{} {}", found[0], value(3.5));
-        assert_eq!(found[1], 7.0);
     }
 }
