@@ -1,6 +1,7 @@
 //! Lines around a thick cell and sections through it.
 
 use crate::surface::SmoothSurface;
+use geo::{Polygon, unary_union};
 use myospring_core::mesh::Mesh;
 use std::collections::BTreeMap;
 
@@ -72,25 +73,24 @@ pub(super) fn cut_mesh(mesh: &Mesh<3, 4>, heights: &[f64]) -> Vec<Vec<Between>> 
     polygons
 }
 
-/// The outermost line around a surface as it is seen: sides between what faces the viewer and what does not. `at` gives
-/// where a point is seen, with y upward.
-pub(super) fn silhouette(surface: &SmoothSurface, at: impl Fn(u32) -> [f64; 2]) -> Vec<u32> {
-    let mut facing: BTreeMap<[u32; 2], Vec<bool>> = BTreeMap::new();
-    for quad in surface.quads() {
-        let is_facing = area(&quad.map(&at)) > 0.0;
-        for (corner, &a) in quad.iter().enumerate() {
-            let b = quad[(corner + 1) % 4];
-            if a != b {
-                facing.entry([a.min(b), a.max(b)]).or_default().push(is_facing);
+/// The outermost line around a surface as it is seen: that around all of its patches together. `at` gives where a point is seen.
+pub(super) fn silhouette(surface: &SmoothSurface, at: impl Fn(u32) -> [f64; 2]) -> Vec<[f64; 2]> {
+    let halves = surface.quads().iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let seen = halves.map(|corners| corners.map(&at)).filter(|ring| area(ring) != 0.0);
+    let patches: Vec<Polygon> = seen
+        .map(|mut ring| {
+            // All one way round, whichever side faces the viewer.
+            if area(&ring) < 0.0 {
+                ring.reverse();
             }
-        }
-    }
-    let edges =
-        facing.into_iter().filter(|(_, sides)| sides.contains(&true) && sides.contains(&false));
-    let rings = rings(&edges.map(|(ends, _)| ends).collect::<Vec<_>>());
-    let size =
-        |ring: &Vec<u32>| area(&ring.iter().map(|&point| at(point)).collect::<Vec<_>>()).abs();
-    rings.into_iter().max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or_default()
+            Polygon::new(ring.into_iter().collect(), Vec::new())
+        })
+        .collect();
+    let rings = unary_union(&patches).into_iter().map(|polygon| {
+        let (line, _) = polygon.into_inner();
+        line.into_iter().map(|place| [place.x, place.y]).collect::<Vec<_>>()
+    });
+    rings.max_by(|a, b| area(a).abs().total_cmp(&area(b).abs())).unwrap_or_default()
 }
 
 /// Area within a ring, positive if it runs counter-clockwise.
@@ -165,7 +165,29 @@ mod tests {
             .collect();
         assert!((area(&ring).abs() / (16.0 * 12.0) - 1.0).abs() < 0.1);
         let at = |point: u32| [points[point as usize][0], points[point as usize][1]];
-        let seen: Vec<[f64; 2]> = silhouette(&surface, at).into_iter().map(at).collect();
+        let seen = silhouette(&surface, at);
         assert!((area(&seen).abs() / (40.0 * 16.0) - 1.0).abs() < 0.05);
+        // Nothing is seen outside of it, however the surface is folded.
+        let folded = |point: u32| {
+            let [x, y, z] = points[point as usize];
+            [x + 3.0 * (0.4 * z).sin(), y + 0.3 * z + 2.0 * (0.3 * x).sin()]
+        };
+        let seen = silhouette(&surface, folded);
+        for place in (0..points.len() as u32).map(folded) {
+            let crossings = seen.windows(2).filter(|line| {
+                let [a, b] = [line[0], line[1]];
+                (a[1] > place[1]) != (b[1] > place[1])
+                    && place[0] < a[0] + (b[0] - a[0]) * (place[1] - a[1]) / (b[1] - a[1])
+            });
+            let beside = seen.windows(2).any(|line| {
+                let [a, b] = [line[0], line[1]];
+                let along = [b[0] - a[0], b[1] - a[1]];
+                let square = along[0].powi(2) + along[1].powi(2);
+                let from = [place[0] - a[0], place[1] - a[1]];
+                let part = ((from[0] * along[0] + from[1] * along[1]) / square).clamp(0.0, 1.0);
+                (from[0] - part * along[0]).hypot(from[1] - part * along[1]) < 1e-6
+            });
+            assert!(beside || crossings.count() % 2 == 1, "{place:?}");
+        }
     }
 }

@@ -243,9 +243,11 @@ impl Drawing<'_> {
         let point = |point: u32| placed.points[point as usize];
         let flat = |index: u32| [view.right, view.up].map(|axis| point(index)[axis]);
         let mut path = Path::default();
-        path.add_ring(
-            silhouette(&self.cell.surface, flat).into_iter().map(|index| at(point(index))),
-        );
+        path.add_ring(silhouette(&self.cell.surface, flat).into_iter().map(|[right, up]| {
+            let mut place = [0.0; 3];
+            (place[view.right], place[view.up]) = (right, up);
+            at(place)
+        }));
         path
     }
 

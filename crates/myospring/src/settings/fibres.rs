@@ -424,14 +424,14 @@ impl fmt::Display for FibreReport {
     }
 }
 
-/// `read from 12 of 14 slices; from the lowest of them to the highest they turn by 24 (sd 3) degrees; sarcomeres 1.83 um`.
+/// `read from 12 of 14 slices; from the lowest of them to the highest they turn by 24 degrees (standard error 0.6); sarcomeres 1.83 um`.
 fn told_of_slices(fibres: &StackFibres, out: &mut fmt::Formatter<'_>) -> fmt::Result {
     let shown = || fibres.slices.iter().filter(|slice| slice.angle_deg.is_some());
     write!(out, "read from {} of {} slices", shown().count(), fibres.slices.len())?;
     if let Some(helix) = fibres.helix {
         write!(
             out,
-            "; from the lowest of them to the highest they turn by {:.0} degrees (standard error {:.0})",
+            "; from the lowest of them to the highest they turn by {:.0} degrees (standard error {:.1})",
             helix.turn_deg, helix.error_deg
         )?;
     }
