@@ -35,6 +35,7 @@ mod run;
 mod sarcomeres;
 mod setting;
 mod shape;
+mod shown;
 mod steady;
 mod tension;
 mod value;
@@ -59,8 +60,9 @@ pub use sarcomeres::{SARCOMERE_ENDINGS, SarcomereError};
 pub use setting::{CommandOption, Get, Named, Set, Setting, ValueKind};
 pub use shape::{
     Meshed, OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped,
-    Source, StackCell,
+    Source,
 };
+pub use shown::{Shown, StackCell};
 pub use steady::CacheError;
 pub use tension::{TENSION_ENDINGS, TensionError};
 pub use value::Value;

@@ -1,6 +1,6 @@
 //! The fibres of a cell: source of their direction, and what the picture shows.
 
-use super::shape::StackCell;
+use super::shown::{Shown, StackCell};
 use crate::analysis::order::median;
 use crate::mesh::Mesh;
 use crate::mesh::pixel_size::PixelSize;
@@ -14,15 +14,6 @@ use crate::microscopy::segment::Modality;
 use crate::microscopy::stack::{self, StackError, StackFibres};
 use serde::Serialize;
 use std::fmt;
-
-/// What shows the fibres of a cell.
-#[derive(Debug, Clone, Copy)]
-pub enum Shown<'a> {
-    /// A picture with its cells, and the cell.
-    Picture(&'a PictureCells, &'a PictureCell),
-    /// A stack of slices.
-    Stack(&'a StackCell),
-}
 
 /// Why fibres cannot be read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! Turns the shape of a run file into a mesh.
 
-use super::fibres::Shown;
+use super::shown::{Shown, StackCell};
 use crate::measured::decoded;
 use crate::mesh::Mesh;
 use crate::mesh::built_in::BuiltIn;
@@ -10,7 +10,6 @@ use crate::mesh::outline::{Outline, OutlineError};
 use crate::mesh::pixel_size::PixelSize;
 use crate::mesh::quality::{MeshReport, outline_dimensions};
 use crate::mesh::thick::{self, Form, Thick};
-use crate::mesh::voxels::Voxels;
 use crate::microscopy::cells::{CellError, PictureCell, PictureCells, PictureOptions};
 use crate::microscopy::outlines::trace::{Edge, trace_mask};
 use crate::microscopy::outlines::{
@@ -19,7 +18,7 @@ use crate::microscopy::outlines::{
 use crate::microscopy::report::{USUAL_AREAS_UM2, impossible_size};
 use crate::microscopy::segment::Choice;
 use crate::microscopy::stack::{
-    FirstSlice, Stack, StackError, StackOptions, StackReport, StackSelection, Stain,
+    FirstSlice, Stack, StackError, StackOptions, StackSelection, Stain,
 };
 use std::io;
 use std::path::Path;
@@ -140,19 +139,6 @@ pub struct Shaped {
     pub picture: Option<(PictureCells, PictureCell)>,
     /// The stack of slices with the cell in it.
     pub stack: Option<Arc<StackCell>>,
-}
-
-/// A cell in a stack of slices.
-#[derive(Debug, Clone)]
-pub struct StackCell {
-    /// The slices.
-    pub stack: Stack,
-    /// The cell.
-    pub voxels: Voxels,
-    /// How it was found.
-    pub options: StackOptions,
-    /// What is known of it.
-    pub report: StackReport,
 }
 
 impl Shaped {
