@@ -82,6 +82,7 @@ impl Side {
         let stimuli = run.stimulus_times();
         let mut recording = csv::read_traces(&csv::traces(&outcome.recording)?)?;
         recording.frames.clone_from(&outcome.recording.frames);
+        recording.in_space.clone_from(&outcome.recording.in_space);
         let stop = outcome.stop.as_ref().map(ToString::to_string);
         Ok(Self {
             source,
