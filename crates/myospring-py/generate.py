@@ -38,7 +38,7 @@ THICK = ("profile", "thickness_um")
 OUTLINE = ("pixel_size_um", "cell", "label", "rotate_deg", "spacing_um", "any_size", *THICK)
 OF_STACK = (
     "pixel_size_um", "z_step_um", "first_slice", "stack_stain", "spacing_um", "any_size", "modality", "channel", "frame",
-    "threshold", "smooth_um", "seed", "cell", "min_area_um2", "max_area_um2", "allow_cut",
+    "threshold", "smooth_um", "seed", "cell", "label", "min_area_um2", "max_area_um2", "allow_cut",
 )
 # Without a mesh nothing else has a place.
 OF_POTENTIAL = (

@@ -329,6 +329,23 @@ class Cell:
         stack: ArrayLike | str | PathLike[str],
         *,
         # <signature of stack>
+        pixel_size_um: float | None = None,
+        z_step_um: float | None = None,
+        first_slice: Literal["bottom", "top"] | None = None,
+        stack_stain: Literal["auto", "filled", "membrane"] | None = None,
+        spacing_um: float | None = None,
+        any_size: bool = False,
+        modality: Literal["auto", "fluorescence", "brightfield", "mask"] | None = None,
+        channel: int | None = None,
+        frame: int | None = None,
+        threshold: float | None = None,
+        smooth_um: float | None = None,
+        seed: tuple[float, float] | None = None,
+        cell: int | str | None = None,
+        label: int | None = None,
+        min_area_um2: float | None = None,
+        max_area_um2: float | None = None,
+        allow_cut: bool = False,
         # </signature>
     ) -> Cell:
         """The thick cell that a stack of pictures in depth shows: fluorescence, a mask or labels.
@@ -339,6 +356,56 @@ class Cell:
             Grey values, the lowest slice first and the first row on top; or a TIFF, OME-TIFF or ImageJ stack. In an array of bool,
             or of a mask, 0 is background.
         pixel_size_um : float or None
+            Side of one pixel of a picture, or of an outline in pixels. Never guessed. In um, 0.001
+            um to 50 um. None: the picture's own.
+        z_step_um : float or None
+            Distance of two slices of a stack. What the file states are steps of the stage; through
+            a dry objective the focus moves further. In um, 0.001 um to 50 um. None: the stack's
+            own.
+        first_slice : {"bottom", "top"} or None
+            Where the first slice of a stack lies: bottom, where the cell stands on its support, or
+            top. None: bottom.
+        stack_stain : {"auto", "filled", "membrane"} or None
+            What of the cell is bright in a stack. None: auto.
+        spacing_um : float or None
+            Distance between neighbouring masses. In um, above 0 um, at most 1000 um. None: such
+            that a flat cell has about 2000 of them, a thick one about 4000 and 4 cubes across its
+            thickness.
+        any_size : bool, default False
+            Accepts a cell whose size is impossible for a heart cell: longer than 400 um, shorter
+            than 15 um, or with an area outside of `min_area_um2` to `max_area_um2`. Such a size
+            usually means a wrong pixel size.
+        modality : {"auto", "fluorescence", "brightfield", "mask"} or None
+            How the picture was taken. None: auto.
+        channel : int or None
+            Channel of the picture, from 0. 0 to 10000. None: the first, or the luminance of a
+            colour picture.
+        frame : int or None
+            Frame (time point) of the picture, from 0. 0 to 1000000. None: 0.
+        threshold : float or None
+            Threshold; a lower one includes more. Fluorescence: grey value above which a pixel
+            belongs to the cell. Brightfield: least relative change of brightness per um of an edge.
+            None: determined from the picture, and printed.
+        smooth_um : float or None
+            Scale of smoothing. In um, 0 um to 20 um. None: "0.5 um" for fluorescence, "0.8 um" for
+            brightfield.
+        seed : tuple[float, float] or None
+            Takes the cell at this place: column and row in pixels from the top left.
+        cell : int or str or None
+            Which cell: "largest", or its number by size, 1 being the largest. None: largest; batch:
+            all.
+        label : int or None
+            In a label mask, the grey value of the cell. 1 to 16777215. None: the largest cell.
+        min_area_um2 : float or None
+            Smallest expected area of a cell: studies leave out smaller ones (debris); elsewhere
+            they are errors unless any size is allowed. In um^2, 0 um^2 to 100000000 um^2. None:
+            "500 um^2".
+        max_area_um2 : float or None
+            Largest expected area of a cell: studies leave out larger ones (sheets, clumps);
+            elsewhere they are errors unless any size is allowed. In um^2, above 0 um^2, at most
+            100000000 um^2. None: "20000 um^2".
+        allow_cut : bool, default False
+            Accepts a cell although the frame of the picture cuts it.
 
         Returns
         -------
@@ -363,6 +430,25 @@ class Cell:
         """
         path, arrays = path_or_bytes(stack, "stack.tif", stack=True)
         # <given of stack>
+        given = changed(
+            ("shape.pixel_size", pixel_size_um, None),
+            ("shape.z_step", z_step_um, None),
+            ("shape.first_slice", first_slice, None),
+            ("shape.stack_stain", stack_stain, None),
+            ("shape.spacing", spacing_um, None),
+            ("shape.any_size", any_size, False),
+            ("segmentation.modality", modality, None),
+            ("segmentation.channel", channel, None),
+            ("segmentation.frame", frame, None),
+            ("segmentation.threshold", threshold, None),
+            ("segmentation.smooth", smooth_um, None),
+            ("segmentation.seed", seed, None),
+            ("segmentation.cell", cell, None),
+            ("shape.label", label, None),
+            ("segmentation.min_area", min_area_um2, None),
+            ("segmentation.max_area", max_area_um2, None),
+            ("segmentation.allow_cut", allow_cut, False),
+        )
         # </given>
         return cls._made({"shape.stack": path, **given}, arrays)
 
