@@ -47,7 +47,6 @@ pub use calcium::{CALCIUM_ENDINGS, CalciumError, Calibration};
 pub use content::{CONTENT_ENDINGS, ContentError};
 pub use fibres::{
     Asked, FibreDirection, FibreReport, Fibres, FibresError, NotRead, PictureFibres, SeenReport,
-    Shown,
 };
 pub use models::{FromFile, Models};
 pub use number::{NumberError, NumericSetting};

@@ -3,12 +3,13 @@
 use super::adhesion::{self, AdhesionError};
 use super::calcium::{self, CalciumError, Calibration};
 use super::content::{self, ContentError};
-use super::fibres::{Asked, FibreDirection, FibreReport, Fibres, FibresError, Shown};
+use super::fibres::{Asked, FibreDirection, FibreReport, Fibres, FibresError};
 use super::models::{FromFile, Models};
 use super::places::FromPlaces;
 use super::problem::Problem;
 use super::sarcomeres::{self, SarcomereError};
 use super::shape::{Shape, Shaped, Source};
+use super::shown::Shown;
 use super::steady::{self, CacheError};
 use super::tension::{self, TensionError};
 use crate::cell::given_tension::TensionClock;
