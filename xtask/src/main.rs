@@ -4,6 +4,7 @@
 
 mod bench;
 mod licences;
+mod page;
 mod python;
 mod site;
 mod test;
@@ -68,14 +69,14 @@ fn figures() -> Result<(), String> {
         std::fs::copy(&from, &to)
             .map_err(|error| format!("{} to {}: {error}", from.display(), to.display()))?;
     }
-    test::page::installed()?;
-    let browser = test::page::chromium()?;
+    page::installed()?;
+    let browser = page::chromium()?;
     web::run()?;
     let page = tools::target().join("web/myospring.html");
     for (shown, picture) in [(beat.join("report.html"), "report.png"), (page, "page.png")] {
         let mut command = Command::new("node");
         command.arg("picture.js").arg(shown).arg(root().join("docs/pictures").join(picture));
-        command.current_dir(test::page::folder());
+        command.current_dir(page::folder());
         command.envs(browser.as_ref().map(|path| ("CHROMIUM", path)));
         step(picture, command)?;
     }

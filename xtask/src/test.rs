@@ -1,9 +1,10 @@
 //! `cargo xtask test`: everything that must hold on every commit, cheapest first.
 
 mod package;
-pub(crate) mod page;
 mod tally;
+mod web_page;
 
+use crate::page;
 use crate::python::{self, Python};
 use crate::tools::{cargo, program, root, say, step, temporary};
 use std::fmt::Write as _;

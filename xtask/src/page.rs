@@ -1,8 +1,6 @@
-//! The page of a report: its source, and the page itself in Chromium.
+//! The tools of the page: Node.js with its packages, and browsers.
 
-use super::Checks;
-use crate::tools::{program, root, say};
-use crate::web;
+use crate::tools::{root, say};
 use std::env;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -11,87 +9,13 @@ use std::process::{Command, Stdio};
 const BROWSERS: [&str; 4] =
     ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
-impl Checks {
-    /// The page with the engine inside, and its numbers beside the program's.
-    pub(super) fn web(&mut self) -> Result<(), String> {
-        let names = ["the page", "the page: in Chromium", "the page: in Firefox"];
-        if let Err(why) = web::toolchain().and_then(|()| installed()) {
-            for name in names {
-                self.skip(name, &why);
-            }
-            return Ok(());
-        }
-        // Not as it is shipped, which takes minutes.
-        let around = Command::new(program("debug", "myospring-web"));
-        let (engine, page) = web::build("engine", around).inspect_err(|_| self.failed += 1)?;
-        let test = |files: &[&str]| {
-            let mut command = tests(files);
-            command.env("ENGINE", &engine).env("PAGE", &page);
-            command
-        };
-        let mut files = vec!["test/engine.test.js"];
-        let browser = chromium();
-        match &browser {
-            Ok(_) => files.extend(["test/web.test.js", "test/web_files.test.js"]),
-            Err(why) => self.skip(names[1], why),
-        }
-        let mut command = test(&files);
-        command.envs(browser.ok().flatten().map(|path| ("CHROMIUM", path)));
-        self.step(names[0], command)?;
-        match firefox() {
-            Ok(path) => {
-                let mut command = test(&["test/firefox.test.js"]);
-                command.env("FIREFOX", path);
-                self.step(names[2], command)
-            }
-            Err(why) => {
-                self.skip(names[2], &why);
-                Ok(())
-            }
-        }
-    }
-
-    /// What a web developer would check, with tools from the npm registry; looks at pages that the program, as the tests
-    /// have built it, writes.
-    pub(super) fn page(&mut self) -> Result<(), String> {
-        let source = "page: lints and types";
-        let (data, browser) = ("page: its numbers", "page: in Chromium");
-        if let Err(why) = installed() {
-            for name in [source, data, browser] {
-                self.skip(name, &why);
-            }
-            return Ok(());
-        }
-        self.step(source, npm(&["run", "check"]))?;
-        self.step(data, tests(&["test/data.test.js"]))?;
-        match chromium() {
-            Ok(path) => {
-                let mut command = tests(&["test/report.test.js", "test/space.test.js"]);
-                command.envs(path.map(|path| ("CHROMIUM", path)));
-                self.step(browser, command)
-            }
-            Err(why) => {
-                self.skip(browser, &why);
-                Ok(())
-            }
-        }
-    }
-}
-
 /// The folder of the page's source.
 pub(crate) fn folder() -> PathBuf {
     root().join("crates/myospring-output/page")
 }
 
-/// Tests in these files, two files at a time, with the program that the tests have built.
-fn tests(files: &[&str]) -> Command {
-    let mut command = Command::new("node");
-    command.args(["--test", "--test-concurrency=2"]).args(files).current_dir(folder());
-    command.env("MYOSPRING", program("debug", "myospring"));
-    command
-}
-
-fn npm(arguments: &[&str]) -> Command {
+/// A command of npm in the folder of the page.
+pub(crate) fn npm(arguments: &[&str]) -> Command {
     let mut command = Command::new(if cfg!(windows) { "npm.cmd" } else { "npm" });
     command.args(arguments).current_dir(folder());
     command
@@ -140,7 +64,7 @@ pub(crate) fn chromium() -> Result<Option<PathBuf>, String> {
 }
 
 /// Firefox: the one that `FIREFOX` names, one that is installed, or Debian's if that can be installed.
-pub(super) fn firefox() -> Result<PathBuf, String> {
+pub(crate) fn firefox() -> Result<PathBuf, String> {
     browser("FIREFOX", &["firefox", "firefox-esr"], "firefox-esr").ok_or_else(|| {
         "no Firefox is here and none could be installed: `apt-get install firefox-esr`, or set FIREFOX to one".to_owned()
     })
