@@ -140,7 +140,7 @@ def keys(rows: list[dict[str, Any]], indent: str) -> str:
 SETS = {
     "beat": of_beat(),
     "image": of_image(),
-    # Where the settings of a beat stand beside it, its thickness is one of them.
+    # Without `thickness_um`, which is among the settings of a beat.
     "image_and_beat": [row for row in of_image() if row["name"] != "thickness_um"],
     # Of a film the size of a pixel is an argument of its own, and `fit` has another cell and another seed.
     "film": [row for row in of_image() if row["name"] not in ("pixel_size_um", "cell", "seed")],

@@ -295,7 +295,7 @@ fn frequency(across: usize, poisson: f64) -> Result<f64, Failure> {
         let moved = positions[0].iter().zip(&mesh.points[0]).map(|(x, rest)| x - rest);
         moved.zip(&masses).zip(&shape).map(|((moved, mass), shape)| mass * moved * shape).sum()
     };
-    // Times at which it crosses rest, over so many periods that what else vibrates does not count.
+    // Times at which it crosses rest. Other vibrations shift each of them, but hardly the mean of many periods.
     let (mut before, mut crossings) = (along(&motion.body.positions), Vec::new());
     for at in 1_u32.. {
         motion.advance(1, [0.0; 2])?;

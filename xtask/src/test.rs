@@ -64,7 +64,7 @@ const PACKAGE: Environment =
 type Check = fn(&mut Checks) -> Result<(), String>;
 
 impl Checks {
-    /// As many of the first need no more than the compiler.
+    /// How many of the first checks need no tools but the compiler.
     const WITHOUT_TOOLS: usize = 7;
 
     /// All checks, cheapest first.

@@ -186,7 +186,9 @@ impl Stack {
             slices.push(found);
         }
         let helix = turn(&slices, scale.z_step_um);
-        let warnings = warnings(&slices, helix);
+        let mut warnings = warnings(&slices, helix);
+        let middle = fields.get(fields.len() / 2);
+        warnings.extend(middle.into_iter().flat_map(|(_, field)| field.doubts()));
         Ok(StackFibres { slices, helix, warnings, fields })
     }
 

@@ -294,10 +294,7 @@ impl Asked {
             return instead(NotRead::NoSarcomeres, doubts);
         }
         match cell.fibres(mesh, settings)? {
-            Ok(mut fibres) => {
-                fibres.warnings.extend(doubts);
-                Ok(fibres)
-            }
+            Ok(fibres) => Ok(fibres),
             Err(_) if self.stain.is_none() => instead(NotRead::NoSarcomeres, doubts),
             Err(_) => instead(NotRead::Nothing, doubts),
         }
@@ -420,10 +417,14 @@ fn told_of_slices(fibres: &StackFibres, out: &mut fmt::Formatter<'_>) -> fmt::Re
     let shown = || fibres.slices.iter().filter(|slice| slice.angle_deg.is_some());
     write!(out, "read from {} of {} slices", shown().count(), fibres.slices.len())?;
     if let Some(helix) = fibres.helix {
+        let error = match helix.error_deg {
+            small if small < 0.1 => "below 0.1".to_owned(),
+            error => format!("{error:.1}"),
+        };
         write!(
             out,
-            "; from the lowest of them to the highest they turn by {:.0} degrees (standard error {:.1})",
-            helix.turn_deg, helix.error_deg
+            "; from the lowest of them to the highest they turn by {:.0} degrees (standard error {error})",
+            helix.turn_deg
         )?;
     }
     let lengths: Vec<f64> = shown().filter_map(|slice| slice.sarcomere_um).collect();
