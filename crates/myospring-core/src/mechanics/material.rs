@@ -128,6 +128,16 @@ pub fn of_thick_cell(material: &Material) -> Material {
 }
 
 impl Material {
+    /// Multiplies every elastic constant of the cell itself.
+    pub fn stiffen(&mut self, by: f64) {
+        self.stiffness = match self.stiffness {
+            Stiffness::YoungModulus(modulus) => Stiffness::YoungModulus(by * modulus),
+            Stiffness::Spring(stiffness) => Stiffness::Spring(by * stiffness),
+        };
+        self.area_modulus *= by;
+        self.fibre_modulus *= by;
+    }
+
     /// Young's modulus of the sheet, kPa.
     pub fn young_modulus(&self) -> f64 {
         match self.stiffness {

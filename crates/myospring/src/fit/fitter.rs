@@ -33,7 +33,7 @@ const TOLD_APART: f64 = 0.95;
 /// Equilibria are solved up to this multiple of the measured shortening.
 const MARGIN: f64 = 2.0;
 /// Shortening of a cell whose curves do not show it.
-const UNKNOWN: f64 = 0.25;
+pub(super) const UNKNOWN: f64 = 0.25;
 /// Beats before the recorded ones in a train that began earlier: enough for it to be steady.
 const BEFORE: usize = 10;
 /// A profile that is this far below the answer has found a better one; this many better ones are

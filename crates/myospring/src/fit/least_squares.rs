@@ -301,7 +301,6 @@ fn factorised(matrix: &[Vec<f64>]) -> Option<(Cholesky<f64, Dyn>, DVector<f64>)>
     (least * least >= 1e-13).then_some((factor, scale))
 }
 
-#[cfg(test)]
 impl<'a> Problem<'a> {
     /// With differences for derivatives, searched to many digits.
     pub(super) fn plain(residuals: Function<'a>, bounds: &'a [[f64; 2]], steps: &'a [f64]) -> Self {

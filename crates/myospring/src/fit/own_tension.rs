@@ -15,10 +15,13 @@
 //! theta_i = f^-1(s_i),   T = theta + tau dtheta/dt
 //! ```
 //! with a penalised spline for `theta` ([`spline`]).
+//!
+//! The force of the same cell on gels tells its Young's modulus, and so the tension in kPa ([`force`]).
 
 mod baseline;
 mod beats;
 mod course;
+mod force;
 mod metrics;
 mod spline;
 
@@ -46,6 +49,7 @@ use baseline::Baseline;
 use beats::analysis;
 use course::NORMAL;
 pub use course::{FILE, MeanBeat, OwnTension, TensionMetric};
+use force::Forces;
 use spline::Spline;
 use std::sync::Arc;
 
@@ -76,21 +80,48 @@ impl Fitter {
         Ok(Self::seeking_tension(simulation))
     }
 
-    /// The tension that a curve asks for.
+    /// The tension that a curve asks for; other curves are forces of the same cell, which tell its Young's modulus.
     pub(super) fn own_tension(&self, curves: &[Loaded]) -> Result<Fit, FitError> {
-        let [Loaded { support, observed, .. }] = curves else {
-            return Err(FitError::Setting {
-                what: "several curves of one cell",
-                why: "each has a tension of its own; fit them one by one",
-            });
+        let Some((Loaded { support, observed, .. }, forces)) = curves.split_first() else {
+            return Err(FitError::Setting { what: "no curve", why: "there is nothing to fit" });
         };
         let simulation = Simulation { support: *support, ..self.simulation().clone() };
         let seen = Seen::of(observed)?;
         let most = seen.shortening.iter().copied().fold(0.0, f64::max);
-        let tables = self.shelf().tables(&simulation, (MARGIN * most).clamp(0.02, 0.8), false)?;
-        let response = tables.at(1.0);
-        let own = seen.tension(&response, self.modulus(), simulation.material.retardation_time);
-        Ok(self.fit_of_tension(&seen, own, &response))
+        let up_to = (MARGIN * most).clamp(0.02, 0.8);
+        let tables = self.shelf().tables(&simulation, up_to, !forces.is_empty())?;
+        let retardation_ms = simulation.material.retardation_time;
+        let tension =
+            |factor: f64| seen.tension(&tables.at(factor), factor * self.modulus(), retardation_ms);
+        if forces.is_empty() {
+            return Ok(self.fit_of_tension(&seen, tension(1.0), &tables.at(1.0)));
+        }
+        let peak = |own: &OwnTension| {
+            own.metrics.iter().find(|metric| metric.name == "peak_tension").map(|it| it.value)
+        };
+        let forces = Forces::of(self, &simulation, (&seen, &tables), forces)?;
+        let stiffness = forces.stiffness()?;
+        let factor = stiffness.value;
+        let mut own = tension(factor);
+        // How the tension follows the stiffness, at the ends of its interval.
+        let at_peak = peak(&own);
+        let ends = stiffness.interval().map(|end| Some(peak(&tension(end?))? / at_peak?));
+        own.widen(ends);
+        let mut fit = self.fit_of_tension(&seen, own, &tables.at(factor));
+        for estimate in fit.estimates.iter_mut().filter(|it| is_of_stiffness(&it.unit)) {
+            for (end, of_stiffness) in estimate.interval.iter_mut().zip(ends) {
+                *end = end.filter(|_| of_stiffness.is_some());
+            }
+            if stiffness.verdict() != Verdict::Determined {
+                estimate.verdict = stiffness.verdict();
+            }
+        }
+        fit.estimates.insert(0, stiffness.estimate(self.modulus()));
+        let none = || FitError::NoBeat { name: observed.name.clone() };
+        fit.curves.extend(forces.fitted(factor).ok_or_else(none)?);
+        fit.judge();
+        fit.verdicts = words::of_own_tension(&fit, self.modulus(), self.simulation().support);
+        Ok(fit)
     }
 
     fn fit_of_tension(
@@ -153,7 +184,39 @@ impl Fitter {
     }
 }
 
+/// Whether a number of this unit is in proportion to the stiffness of the cell.
+fn is_of_stiffness(unit: &str) -> bool {
+    unit.starts_with("kPa")
+}
+
 impl OwnTension {
+    /// Widens all intervals by that of the stiffness: how many times the tension is larger at its ends; `None` sets no end, which
+    /// widens nothing here.
+    fn widen(&mut self, ends: [Option<f64>; 2]) {
+        let [low, high] = ends.map(|end| end.map_or(0.0, |end| (end - 1.0).abs()));
+        let wider = |value: f64, end: f64, by: f64| {
+            value + (end - value).signum() * (end - value).hypot(by * value)
+        };
+        let deviation = 0.5 * (low + high) / NORMAL;
+        for at in 0..self.tension_kpa.len() {
+            let value = self.tension_kpa[at];
+            let [from, to] = [self.band_kpa[0][at], self.band_kpa[1][at]];
+            self.band_kpa[0][at] = (value - (value - from).hypot(low * value)).max(0.0);
+            self.band_kpa[1][at] = value + (to - value).hypot(high * value);
+            let own = &mut self.standard_deviation_kpa[at];
+            *own = own.hypot(deviation * value);
+        }
+        let metrics = self.metrics.iter_mut().filter(|metric| is_of_stiffness(metric.unit));
+        for metric in metrics {
+            let value = metric.value;
+            let widened = |[from, to]: [f64; 2]| [wider(value, from, low), wider(value, to, high)];
+            metric.interval = widened(metric.interval);
+            metric.interval_by_noise = widened(metric.interval_by_noise);
+            metric.interval_by_beats = metric.interval_by_beats.map(widened);
+            metric.standard_deviation = metric.standard_deviation.hypot(deviation * value);
+        }
+    }
+
     /// The tension that shapes the cell at a time since the first frame: the active one, or what lags behind it.
     fn shaping(&self, retardation_ms: f64) -> MonotoneCubic {
         let Self { times_ms, tension_kpa, .. } = self;
@@ -166,8 +229,14 @@ impl OwnTension {
         MonotoneCubic::new(times_ms.clone(), theta)
     }
 
-    /// The run that repeats the curve: it reads the tension from `tension.csv`, which is the caller's to write.
-    pub(super) fn run(&self, mut run: Run, fit: &Fit) -> Result<Run, FitError> {
+    /// The run that repeats the curve, from one of a cell of this Young's modulus: it reads the tension from `tension.csv`, which is
+    /// the caller's to write.
+    pub(super) fn run(
+        &self,
+        mut run: Run,
+        fit: &Fit,
+        young_modulus_kpa: f64,
+    ) -> Result<Run, FitError> {
         let course = TensionCourse::new(&self.times_ms, &self.tension_kpa)
             .map_err(|cause| FitError::NoCourse { cause })?;
         let given = GivenTension::example().with_course(course, TensionClock::Run);
@@ -175,10 +244,11 @@ impl OwnTension {
         run.numerics.cell = given.usual_settings();
         run.numerics.method = Method::QuasiStatic;
         run.cell = Arc::new(given);
+        run.material.stiffen(self.young_modulus_kpa / young_modulus_kpa);
         (run.tension, run.tension_clock) = (Some(FILE.to_owned()), Some(TensionClock::Run));
         (run.calcium, run.calibration) = (None, Calibration::default());
         (run.steady_state, run.stretch_felt) = (None, StretchFelt::Cell);
-        for curve in &fit.curves {
+        if let Some(curve) = fit.curves.first() {
             let (first, start) = (curve.times_ms[0], curve.stimuli_ms[0]);
             let last = curve.stimuli_ms[curve.stimuli_ms.len() - 1];
             run.protocol.start_ms = (start - first).max(0.0);
@@ -298,6 +368,14 @@ impl<'a> Seen<'a> {
             self.shortening[at] = (self.shortening[at] + self.raised) / (1.0 + self.raised);
             self.deviation[at] /= 1.0 + self.raised;
         }
+    }
+
+    /// Relative standard deviation of the height of all beats by the noise of the frames, each of which counts.
+    fn noise_of_height(&self) -> f64 {
+        let used = || (0..self.times.len()).filter(|&at| self.used[at]);
+        let mean = used().map(|at| self.shortening[at]).sum::<f64>() / used().count() as f64;
+        let seen = used().map(|at| ((self.shortening[at] - mean) / self.deviation[at]).powi(2));
+        seen.sum::<f64>().sqrt().recip()
     }
 
     /// A shortening as the curve would show it.

@@ -12,7 +12,6 @@ use crate::cell::tension::train::Potential;
 use crate::cell::tension::{Rates, Tension};
 use crate::cell::{CellModel, TensionKind};
 use crate::integrate::Method;
-use crate::mechanics::material::Stiffness;
 use crate::settings::{Calibration, Run};
 use std::sync::Arc;
 
@@ -25,7 +24,7 @@ impl Fitter {
     /// Numbers that the model does not take.
     pub fn fitted(&self, mut run: Run, fit: &Fit) -> Result<Run, FitError> {
         if let Some(own) = &fit.own_tension {
-            return own.run(run, fit);
+            return own.run(run, fit, self.modulus());
         }
         let mut parameters = self.simulation().cell.parameters().clone();
         let mut tension = self.tension();
@@ -34,11 +33,7 @@ impl Fitter {
                 Some(Unknown::Parameter(name)) => parameters.set(name, estimate.value)?,
                 Some(Unknown::YoungModulus) => {
                     let by = estimate.value / self.modulus();
-                    run.material.area_modulus *= by;
-                    run.material.stiffness = match run.material.stiffness {
-                        Stiffness::YoungModulus(modulus) => Stiffness::YoungModulus(by * modulus),
-                        Stiffness::Spring(stiffness) => Stiffness::Spring(by * stiffness),
-                    };
+                    run.material.stiffen(by);
                     tension *= by;
                 }
                 _ => {}

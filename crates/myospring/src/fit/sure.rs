@@ -79,6 +79,11 @@ impl Sure {
     }
 }
 
+/// By how much a misfit, of which so many frames count as one, raises the variance that intervals use.
+pub(super) fn widened(together: f64) -> f64 {
+    if together > 1.0 { together * TAKEN_UP.powi(2) } else { 1.0 }
+}
+
 /// The variance of residuals, and by how much a misfit raises it for intervals.
 struct Variance {
     reduced: f64,
@@ -91,7 +96,7 @@ impl Variance {
     fn of(layout: &Layout, least: &Least) -> Option<Self> {
         let freedom = least.residuals.len().saturating_sub(layout.roles.len()).max(1) as f64;
         let together = layout.frames_together(least)?;
-        let factor = if together > 1.0 { together * TAKEN_UP.powi(2) } else { 1.0 };
+        let factor = widened(together);
         Some(Self { reduced: least.sum / freedom, factor, together, freedom })
     }
 }

@@ -2,7 +2,6 @@
 
 use super::error::FitError;
 use crate::integrate::quasi_static::Tolerance;
-use crate::mechanics::material::Stiffness;
 use crate::mechanics::support::SupportKind;
 use crate::simulation::Simulation;
 use crate::simulation::equilibria::TensionResponse;
@@ -80,7 +79,7 @@ impl Tables {
         }
         let tables = (0..STIFFNESSES).into_par_iter().map(|at| {
             let mut other = simulation.clone();
-            stiffen(&mut other, factor(at));
+            other.material.stiffen(factor(at));
             solve(&other, up_to)
         });
         Ok(Self { by_stiffness: tables.collect::<Result<_, _>>()? })
@@ -166,14 +165,4 @@ pub(super) const STIFFNESS_BOUNDS: [f64; 2] = [1.0 / STIFFEST, STIFFEST];
 
 fn factor(at: usize) -> f64 {
     STIFFEST.powf(2.0 * at as f64 / (STIFFNESSES - 1) as f64 - 1.0)
-}
-
-/// Multiplies every elastic constant of the cell itself.
-pub(super) fn stiffen(simulation: &mut Simulation, by: f64) {
-    let material = &mut simulation.material;
-    material.stiffness = match material.stiffness {
-        Stiffness::YoungModulus(modulus) => Stiffness::YoungModulus(by * modulus),
-        Stiffness::Spring(stiffness) => Stiffness::Spring(by * stiffness),
-    };
-    material.area_modulus *= by;
 }

@@ -127,7 +127,15 @@ pub(super) fn of_own_tension(fit: &Fit, modulus: f64, support: SupportKind) -> V
         ));
     }
     words.extend(of_frames(fit));
-    words.push(of_ratio(modulus, support));
+    if fit.curves.len() == 1 {
+        words.push(of_ratio(modulus, support));
+        return words;
+    }
+    // The shape is followed frame by frame, forces need not be.
+    let forces = fit.curves[1..].iter();
+    let off = forces.filter(|curve| curve.verdict() > FitVerdict::Fits);
+    words.extend(off.map(|curve| misfit(curve, &fit.model)));
+    words.extend(of_forces(fit));
     words
 }
 

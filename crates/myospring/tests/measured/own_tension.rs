@@ -4,13 +4,18 @@ use crate::common;
 use crate::known_tension::{STIMULI, Truth, beaten, covered, own, strip};
 use myospring::analysis::kind::Kind;
 use myospring::analysis::monotone::MonotoneCubic;
-use myospring::fit::{Fit, FitSettings, FitVerdict, Fitter, Observed, Scale};
+use myospring::fit::{
+    Fit, FitSettings, FitVerdict, Fitter, Loaded, Observed, Scale, Stimuli, Verdict,
+};
 use myospring::integrate::quasi_static::Tolerance;
 use myospring::measured::{Curve, TableOptions, read};
+use myospring::mechanics::gel::Gel;
 use myospring::mechanics::support::SupportKind;
 use myospring::prelude::*;
+use myospring::recording::AXIAL_FORCE;
 use myospring::run_file::RunFile;
 use myospring::settings::Run;
+use myospring::study::sampling::{Distribution, Sampler, sample};
 use std::sync::Arc;
 
 const MODELS: [&str; 3] = ["coelho_2021", "bueno_orovio_2008_endo", "land_2017"];
@@ -299,4 +304,102 @@ fn a_curve_in_arbitrary_units_has_the_tension_of_its_stated_peak() {
     }
     let error = error(&curve(Kind::Shortening, "%", 1.0), 10.0);
     assert!(error.contains("leave --peak-shortening out"), "{error}");
+}
+
+/// The second and third beat of a strip of 154 kPa under a support, which are alike: its length and its force along the axis, filmed at
+/// 50 frames/s with noise of a part of their height.
+fn soft_strip(support: SupportKind, noise: f64, seed: u64) -> [Observed; 2] {
+    let mut simulation = strip();
+    simulation.material.stiffen(0.5);
+    simulation.peak_tension *= 0.5;
+    simulation.support = support;
+    let stimulus = simulation.cell.default_stimulus();
+    simulation.protocol =
+        Protocol { cycle_length_ms: 1000.0, beats: 3, ..Protocol::once(stimulus) };
+    simulation.duration = 3050.0;
+    let recording = beaten(&simulation).recording;
+    let times: Vec<f64> = recording.samples.iter().map(|sample| sample.t_ms).collect();
+    let lengths = recording.samples.iter().map(|sample| sample.length_um).collect();
+    let forces = recording.signals.iter().find(|signal| signal.name == AXIAL_FORCE);
+    let forces = forces.map_or_else(|| vec![0.0; times.len()], |forces| forces.values.clone());
+    let frames: Vec<f64> = (50..150).map(|at| 20.0 * f64::from(at)).collect();
+    let filmed = |values: Vec<f64>, scale: Scale, unit: &str, seed: u64| {
+        let course = MonotoneCubic::new(times.clone(), values);
+        let clean: Vec<f64> = frames.iter().map(|time| course.at(*time)).collect();
+        let range = clean.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(*value), high.max(*value)]
+        });
+        let standard_deviation = (noise * (range[1] - range[0])).max(1e-12);
+        let normal = Distribution::Normal { mean: 0.0, standard_deviation };
+        let draws = sample(&Sampler::LatinHypercube { size: frames.len() }, &[normal], seed);
+        let draws = draws.unwrap();
+        Observed {
+            name: unit.to_owned(),
+            times_ms: frames.clone(),
+            values: clean.iter().zip(draws.iter()).map(|(value, draw)| value + draw[0]).collect(),
+            scale,
+            unit: unit.to_owned(),
+            stimuli: Stimuli::Given(STIMULI[1..].to_vec()),
+        }
+    };
+    [
+        filmed(lengths, Scale::Length, "um", seed),
+        filmed(forces, Scale::Load(AXIAL_FORCE), "nN", seed + 1),
+    ]
+}
+
+#[test]
+fn a_force_on_a_gel_gives_the_tension_of_any_cell_in_kpa() {
+    let gel = |modulus: f64| SupportKind::Gel(Gel::half_space(modulus));
+    let fitter = Fitter::of_tension(strip()).unwrap();
+    let sought = |noise: f64, seed: u64, curves: [Loaded; 2]| {
+        let fit = fitter.fit_loaded(&curves, &FitSettings::default(), &|_| true).unwrap().unwrap();
+        println!("noise {noise}, {seed}: {:#?}", fit.verdicts);
+        fit
+    };
+    let [free, _] = soft_strip(SupportKind::MassCentre, 0.0, 1);
+    let truth = own(&fitter, free).1.metrics;
+    let truth = 0.5 * truth.iter().find(|metric| metric.name == "peak_tension").unwrap().value;
+    let bound = |end: Option<f64>, none: f64| end.unwrap_or(none);
+    let mut covered = [0; 2];
+    for (noise, seed, scale_error) in
+        [(0.0, 1, 0.0), (0.01, 10, 0.0), (0.03, 20, 0.0), (0.03, 30, 0.05), (0.1, 40, 0.0)]
+    {
+        let [shape, _] = soft_strip(SupportKind::MassCentre, noise, seed);
+        let [_, mut force] = soft_strip(gel(10.0), noise, seed);
+        // The recording on the gel has a clock of its own.
+        for time in &mut force.times_ms {
+            *time += 430.0;
+        }
+        force.stimuli = Stimuli::Seen(STIMULI[1..].iter().map(|time| time + 425.0).collect());
+        let force = Loaded { support: gel(10.0), observed: force, scale_error };
+        let fit = sought(noise, seed, [Loaded::exact(SupportKind::MassCentre, shape), force]);
+        assert_eq!(fit.curves.len(), 2);
+        for (at, (name, truth)) in
+            [("young_modulus", 154.0), ("peak_tension", truth)].into_iter().enumerate()
+        {
+            let found = fit.estimate(name).unwrap();
+            let [low, high] = found.interval;
+            let (low, high) = (bound(low, 0.0), bound(high, f64::INFINITY));
+            println!("{name} {} ({low} to {high}), truth {truth}", found.value);
+            let off = (found.value / truth - 1.0).abs();
+            assert!(off < 5e-3 + 3.0 * noise + 8.0 * scale_error, "{name}: {off}");
+            covered[at] += usize::from((low..high).contains(&truth) || off < 5e-3);
+        }
+    }
+    // One of five may be outside by chance.
+    assert!(covered.iter().all(|within| *within >= 4), "{covered:?}");
+    // Shape and force on one gel follow from each other.
+    let [shape, force] = soft_strip(gel(10.0), 0.02, 50);
+    let force = Loaded { support: gel(10.0), observed: force, scale_error: 0.05 };
+    let fit = sought(0.02, 50, [Loaded::exact(gel(10.0), shape.clone()), force]);
+    for name in ["young_modulus", "peak_tension"] {
+        let found = fit.estimate(name).unwrap();
+        assert_ne!(found.verdict, Verdict::Determined, "{found:?}");
+    }
+    assert!(fit.verdicts.iter().any(|words| words.contains("hardly show how stiff")));
+    // Two shapes are not one cell's.
+    let both = [Loaded::exact(gel(10.0), shape.clone()), Loaded::exact(gel(10.0), shape)];
+    let refused = fitter.fit_loaded(&both, &FitSettings::default(), &|_| true).unwrap_err();
+    assert!(refused.to_string().contains("one by one"), "{refused}");
 }
