@@ -6,7 +6,7 @@
 
 use crate::check::{Failure, Setting, metric};
 use crate::row::Row;
-use myospring::experiment::traction::{Beads, Traction};
+use myospring::experiment::traction::{Beads, CellPlace, Traction};
 use myospring::experiment::{Experiment, Files};
 use myospring::mechanics::compliance::Compliance;
 use myospring::mechanics::gel::{Gel, GelBed, cytometry};
@@ -271,7 +271,7 @@ fn beads() -> Result<Vec<Row>, Failure> {
     let files = Files::holding(held.map(|(name, bytes)| (name.to_owned(), bytes.to_vec())).into());
     let description = Traction::of_beads(Beads::of("beads.tif"), Gel::half_space(10.0));
     let found =
-        Traction { region: Some("around.geojson".into()), ..description }.run(&files, &())?;
+        Traction { cell: Some(CellPlace::of("around.geojson")), ..description }.run(&files, &())?;
     let frame = found.strongest();
     let none = |_: &str| Err(std::io::ErrorKind::NotFound.into());
     let run = RunFile::from_text(FILMED)?.resolve()?;

@@ -301,9 +301,10 @@ pub(crate) struct TrackArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     myospring traction beads.tif --gel-modulus \"10 kPa\"                        a film; the gel is at rest in one of its frames\n  \
-    myospring traction beads.tif --reference relaxed.tif --region cell.roi --gel-modulus \"10 kPa\"\n  \
+    myospring traction beads.tif --reference relaxed.tif --cell cell.roi --gel-modulus \"10 kPa\"\n  \
+    myospring traction film.tif --channel 1 --cell film.tif --gel-modulus \"10 kPa\"   a film with a channel of the cell and one of beads\n  \
     myospring traction pulled.tif --reference relaxed.tif --pixel-size \"0.16 um\" --gel-modulus \"10 kPa\"   a pair\n  \
-    myospring traction u.npy v.npy --pixel-size \"0.63 um\" --gel-modulus \"10 kPa\" --region cell.png\n  \
+    myospring traction u.npy v.npy --pixel-size \"0.63 um\" --gel-modulus \"10 kPa\" --cell cell.png\n  \
     myospring traction u.npy v.npy --pixel-size \"2 um\" --unit \"1 um\" --frame-rate 30 --gel-modulus \"2 kPa\"\n\n\
     Results: traction.csv (forces, contractile moment, energy of the gel and noise floors of each frame), tractions.npz \
     (tractions in Pa, rows from the top), summary.json (also beats, and how fine the map is), figures/traction; of beads also \
@@ -311,13 +312,15 @@ pub(crate) struct TrackArgs {
 pub(crate) struct TractionArgs {
     /// Film (.tif, .avi, ...), folder of pictures or one picture of the beads in the gel; or two NumPy arrays (.npy) of the
     /// displacements of the gel to the right and downward, rows from the top: of rows and columns, or of frames, rows and
-    /// columns, as pyTFM has them
-    #[arg(value_name = "FILM|U V", num_args = 1..=2, required = true)]
+    /// columns, as pyTFM has them; or a table of them (.csv, .txt, ...) with the columns x, y, u, v and perhaps frame, in pixels or
+    /// um (x_um, ...), as programs for particle image velocimetry write it
+    #[arg(value_name = "FILM|U V|TABLE", num_args = 1..=2, required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// Side of a pixel of the pictures ("0.16 um") [default: that of the file]; of arrays, the distance of neighbouring places
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) pixel_size: Option<String>,
-    /// Arrays: what a displacement of 1 is ("1 um") [default: the distance of neighbouring places]
+    /// Arrays and tables: what a displacement of 1 is ("1 um") [default: of arrays the distance of neighbouring places, of tables a
+    /// pixel]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) unit: Option<String>,
     /// Picture of the beads without the cell, or with the cell relaxed [default: a frame of the film, at rest]
@@ -346,10 +349,14 @@ pub(crate) struct TractionArgs {
     /// Thickness of the gel, bonded to glass [default: so thick that the glass is not felt]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) gel_thickness: Option<String>,
-    /// Where the cell is, a little more than it: a picture of the size of the film, of arrays with a pixel for each place
-    /// (.png, .tif), black where the cell is not; or outlines in the film (.roi, .zip, .geojson, .json, .txt)
-    #[arg(long, value_name = "FILE")]
-    pub(crate) region: Option<PathBuf>,
+    /// Where the cell is: a film or a picture of it in the same window (.tif, .avi, .png, ...), in which it is found and 2 um around it
+    /// are added; or outlines (.roi, .zip, .geojson, .json, .txt) or a picture that is black elsewhere, a little larger than the
+    /// cell. Of arrays a picture with a pixel for each place
+    #[arg(long, value_name = "FILM|PICTURE|OUTLINE", visible_alias = "region")]
+    pub(crate) cell: Option<PathBuf>,
+    /// Channel that shows the cell, from 0 [default: 0]
+    #[arg(long, value_name = "N", requires = "cell", help_heading = FILM)]
+    pub(crate) cell_channel: Option<usize>,
     /// Threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", help_heading = NUMERICS)]
     pub(crate) threads: Option<NonZeroUsize>,

@@ -10,7 +10,10 @@ use crate::table::{aligned, number};
 use crate::terminal::Terminal;
 use crate::{interrupt, print};
 use myospring::experiment::analyse::{AnalysedCurve, KEY, Mean, means};
-use myospring::experiment::traction::{Beads, Followed, FoundTractions, Source, Traction};
+use myospring::experiment::tables::TABLES;
+use myospring::experiment::traction::{
+    Beads, CellPlace, Followed, FoundTractions, Source, Traction,
+};
 use myospring::experiment::{Experiment, Folder, Outcome};
 use myospring::mechanics::gel::Gel;
 use myospring::output::json;
@@ -41,13 +44,16 @@ pub(crate) fn traction(args: &TractionArgs) -> Result<ExitCode, Failure> {
             unit_um,
             subset_um,
         },
+        [table] if TABLES.contains(&ending(table).as_str()) => {
+            let file = displacements(args, table)?;
+            Source::Table { file, pixel_size_um, unit_um, subset_um }
+        }
         [film] => Source::Beads(Beads {
             reference: args.reference.clone(),
             rest: args.frame,
             pixel_size_um,
             subset_um,
             channel: args.channel,
-            threads: args.threads.map(NonZeroUsize::get),
             ..Beads::of(pictures(args, film)?)
         }),
         _ => return Err(Failure::new("give a film, or two arrays of displacements")),
@@ -55,8 +61,9 @@ pub(crate) fn traction(args: &TractionArgs) -> Result<ExitCode, Failure> {
     let experiment = Traction {
         source,
         gel,
-        region: args.region.clone(),
+        cell: args.cell.clone().map(|path| CellPlace::File { path, channel: args.cell_channel }),
         frame_rate_per_s: args.frame_rate.as_deref().map(frame_rate).transpose()?,
+        threads: args.threads.map(NonZeroUsize::get),
     };
     experiment.files().into_iter().for_each(|path| FILES.note(path));
     let target = args.output.output.clone().unwrap_or_else(|| folder(&experiment));
@@ -95,6 +102,12 @@ fn arrays(args: &TractionArgs, u: &Path, v: &Path) -> Result<[PathBuf; 2], Failu
             ),
         ));
     }
+    displacements(args, u)?;
+    Ok([u.to_owned(), v.to_owned()])
+}
+
+/// A file of displacements, without an option that is for pictures.
+fn displacements(args: &TractionArgs, file: &Path) -> Result<PathBuf, Failure> {
     let of_pictures = [
         ("--reference", args.reference.is_some()),
         ("--frame", args.frame.is_some()),
@@ -102,9 +115,9 @@ fn arrays(args: &TractionArgs, u: &Path, v: &Path) -> Result<[PathBuf; 2], Failu
     ];
     match of_pictures.iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => Err(Failure::new(format!(
-            "{option} is for pictures of beads; arrays of displacements do not need it"
+            "{option} is for pictures of beads; displacements do not need it"
         ))),
-        None => Ok([u.to_owned(), v.to_owned()]),
+        None => Ok(file.to_owned()),
     }
 }
 
@@ -116,7 +129,7 @@ fn pictures(args: &TractionArgs, film: &Path) -> Result<PathBuf, Failure> {
     }
     if args.unit.is_some() {
         return Err(Failure::new(
-            "--unit is for arrays of displacements; pictures of beads have --pixel-size",
+            "--unit is for displacements; pictures of beads have --pixel-size",
         ));
     }
     Ok(film.to_owned())
@@ -196,6 +209,7 @@ fn folder(experiment: &Traction) -> PathBuf {
     let name = match &experiment.source {
         // Arrays are `u.npy` in every folder.
         Source::Arrays { files, .. } => files[0].parent().and_then(Path::file_name),
+        Source::Table { file, .. } => file.file_stem(),
         Source::Beads(beads) => beads.film.file_stem(),
     };
     let name = name.map(|name| name.to_string_lossy().into_owned());

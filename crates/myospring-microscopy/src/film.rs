@@ -149,7 +149,10 @@ impl Film {
     }
 
     /// As [`Film::of_pictures`], of any number of pictures but none.
-    pub(crate) fn of_any_pictures(
+    ///
+    /// # Errors
+    /// No picture, or a first one that cannot be read.
+    pub fn of_any_pictures(
         mut files: Vec<(String, Vec<u8>)>,
         selection: &Selection,
     ) -> Result<Self, FilmError> {

@@ -24,6 +24,7 @@
 
 mod beads;
 mod cell;
+mod covered;
 mod doubts;
 mod error;
 mod follower;

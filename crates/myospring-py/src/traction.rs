@@ -2,8 +2,11 @@
 
 use crate::errors;
 use crate::experiment::{self, Progress};
-use myospring::experiment::Files;
-use myospring::experiment::traction::{Beads, FoundTractions, Source, Traction, TractionFrame};
+use myospring::experiment::tables::TABLES;
+use myospring::experiment::traction::{
+    Beads, CellPlace, FoundTractions, Source, Traction, TractionFrame,
+};
+use myospring::experiment::{Files, input};
 use myospring::mechanics::gel::Gel;
 use myospring::output::npz::{self, Array};
 use numpy::{PyArray1, PyArray3, PyArrayMethods as _, PyReadonlyArray3};
@@ -37,14 +40,19 @@ pub(crate) struct Tractions {
 /// Modulus (kPa), Poisson's ratio and thickness (um) of a gel.
 type GelGiven = (f64, f64, Option<f64>);
 
+/// A file of the cell, and its channel.
+type Where = Option<(PathBuf, Option<usize>)>;
+
 fn described(
     source: Source,
     (modulus, poisson, thickness): GelGiven,
-    region: Option<PathBuf>,
+    cell: Where,
     frame_rate_per_s: Option<f64>,
+    threads: Option<usize>,
 ) -> Traction {
     let gel = Gel { poisson, thickness, ..Gel::half_space(modulus) };
-    Traction { source, gel, region, frame_rate_per_s }
+    let cell = cell.map(|(path, channel)| CellPlace::File { path, channel });
+    Traction { source, gel, cell, frame_rate_per_s, threads }
 }
 
 /// Of displacements in um, to the right and downward: (frames, rows, columns).
@@ -60,8 +68,9 @@ pub(crate) fn traction_of_arrays(
     spacing_um: f64,
     subset_um: Option<f64>,
     gel: GelGiven,
-    region: Option<PathBuf>,
+    cell: Where,
     frame_rate_per_s: Option<f64>,
+    threads: Option<usize>,
     progress: Progress,
 ) -> PyResult<Tractions> {
     let names = ["u", "v"];
@@ -77,12 +86,12 @@ pub(crate) fn traction_of_arrays(
         unit_um: Some(1.0),
         subset_um,
     };
-    let description = described(source, gel, region, frame_rate_per_s);
+    let description = described(source, gel, cell, frame_rate_per_s, threads);
     let outcome = experiment::run(py, &description, &files, progress)?;
     Ok(Tractions { files, outcome })
 }
 
-/// Of pictures of beads; lengths are um.
+/// Of pictures of beads, or of a table of displacements; lengths are um.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "the layer in Python names them")]
 pub(crate) fn traction_of_beads(
@@ -94,14 +103,18 @@ pub(crate) fn traction_of_beads(
     subset_um: Option<f64>,
     channel: Option<usize>,
     gel: GelGiven,
-    region: Option<PathBuf>,
+    cell: Where,
     frame_rate_per_s: Option<f64>,
     threads: Option<usize>,
     progress: Progress,
 ) -> PyResult<Tractions> {
-    let beads = Beads { film, reference, rest, pixel_size_um, subset_um, channel, threads };
+    let source = if TABLES.contains(&input::ending(&film).as_str()) {
+        Source::Table { file: film, pixel_size_um, unit_um: None, subset_um }
+    } else {
+        Source::Beads(Beads { film, reference, rest, pixel_size_um, subset_um, channel })
+    };
     let files = Files::default();
-    let description = described(Source::Beads(beads), gel, region, frame_rate_per_s);
+    let description = described(source, gel, cell, frame_rate_per_s, threads);
     let outcome = experiment::run(py, &description, &files, progress)?;
     Ok(Tractions { files, outcome })
 }

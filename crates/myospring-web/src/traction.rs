@@ -1,7 +1,8 @@
 //! What the page asks about tractions.
 
-use myospring::experiment::ExperimentError;
-use myospring::experiment::traction::{Beads, Source, Traction};
+use myospring::experiment::tables::TABLES;
+use myospring::experiment::traction::{Beads, CellPlace, Source, Traction};
+use myospring::experiment::{ExperimentError, input};
 use myospring::mechanics::gel::Gel;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -25,8 +26,8 @@ pub(crate) struct Displaced {
     frame_rate_per_s: Option<f64>,
     /// A picture of the relaxed gel.
     reference: Option<String>,
-    /// A picture or outlines of the cell.
-    region: Option<String>,
+    /// A film, a picture or outlines of the cell.
+    cell: Option<String>,
 }
 
 impl Displaced {
@@ -52,14 +53,12 @@ impl Displaced {
                     ExperimentError::new("give a film of beads, or two arrays of displacements")
                 })?;
                 let reference = self.reference.map(PathBuf::from);
-                let threads = Some(1);
-                Source::Beads(Beads {
-                    reference,
-                    pixel_size_um,
-                    subset_um,
-                    threads,
-                    ..Beads::of(film)
-                })
+                if TABLES.contains(&input::ending(&film).as_str()) {
+                    let unit_um = self.unit_um;
+                    Source::Table { file: film, pixel_size_um, unit_um, subset_um }
+                } else {
+                    Source::Beads(Beads { reference, pixel_size_um, subset_um, ..Beads::of(film) })
+                }
             }
         };
         let modulus = self.gel_modulus_kpa.ok_or_else(|| {
@@ -71,8 +70,9 @@ impl Displaced {
         Ok(Traction {
             source,
             gel: Gel { poisson, thickness: self.gel_thickness_um, ..gel },
-            region: self.region.map(PathBuf::from),
+            cell: self.cell.map(CellPlace::of),
             frame_rate_per_s: self.frame_rate_per_s,
+            threads: Some(1),
         })
     }
 }

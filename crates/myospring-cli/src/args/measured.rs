@@ -147,7 +147,8 @@ pub(crate) struct TableArgs {
     myospring fit film.avi --pixel-size \"0.18 um\" --frame-rate 30   the cell of a film, to its motion\n  \
     myospring fit --to free.csv --loaded \"100 nN/um=fibres.csv\"     both stiffness and tension\n  \
     myospring fit --to free.csv --traction \"10 kPa=force.csv\"       the same, by a force on a gel\n  \
-    myospring fit --to length.csv --support gel --gel-modulus \"10 kPa\" --traction force.csv   both on one gel\n\n\
+    myospring fit --to length.csv --support gel --gel-modulus \"10 kPa\" --traction force.csv   both on one gel\n  \
+    myospring fit cell.tif --traction \"10 kPa=beads.tif\"            films of the cell and of the beads under it\n\n\
     Without --model, every model whose fit takes seconds is tried. The one with the lowest BIC is taken among those that \
     follow the curve; if there is none, the tension that the curve needs (given_tension). models.csv has what each leaves.\n\n\
     A curve of a free cell determines the ratio of tension to stiffness, not both; verdicts say what else it does not \
@@ -172,10 +173,10 @@ pub(crate) struct FitArgs {
     /// ("100 nN/um=fibres.csv"); may be given several times
     #[arg(long, value_name = "STIFFNESS=TRACE", help_heading = FIT)]
     pub(crate) loaded: Vec<String>,
-    /// A force of the same cell on a gel, as `myospring traction` and others measure it (nN; `traction.csv` as it is): gives tension and
-    /// stiffness in kPa. The gel is that of --support gel, or of the modulus before the file ("10 kPa=force.csv"); may be given
-    /// several times, for several gels
-    #[arg(long, value_name = "[MODULUS=]TRACE", help_heading = FIT)]
+    /// A force of the same cell on a gel, as `myospring traction` and others measure it (nN; `traction.csv` as it is), or a film of the
+    /// beads in the gel: gives tension and stiffness in kPa. The gel is that of --support gel, or of the modulus before the file ("10
+    /// kPa=force.csv"); may be given several times, for several gels
+    #[arg(long, value_name = "[MODULUS=]TRACE|FILM", help_heading = FIT)]
     pub(crate) traction: Vec<String>,
     /// Error of the scale of these forces ("10 %"), one standard deviation, apart from noise; that of the gel's modulus does not count,
     /// since it scales every answer in kPa alike [default: 5 %]

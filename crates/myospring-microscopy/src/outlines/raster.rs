@@ -5,6 +5,7 @@ use std::ops::Range;
 use png::{BitDepth, ColorType, Compression, Encoder};
 
 use super::{NamedOutline, OutlineWriteError, PixelFrame};
+use crate::dilation::{Norm, dilated};
 use myospring_core::mesh::mask::{Mask, MaskError, Part};
 use myospring_core::mesh::outline::Outline;
 
@@ -61,6 +62,11 @@ pub(crate) fn within(
         .map(|ring| ring.iter().map(|&point| frame.to_pixels(point)).collect())
         .collect();
     spans(&rings, frame.width(), frame.height(), visit);
+}
+
+/// The pixels of a picture of this width within a margin (pixels) of some of them, and these, row by row.
+pub fn grown(inside: &[bool], width: usize, margin: f64) -> Vec<bool> {
+    dilated(inside, width, margin.round() as usize, Norm::Euclid)
 }
 
 /// Pixels whose centres lie within rings in pixels, by the even-odd rule: row by row, the centres

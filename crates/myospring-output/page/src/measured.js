@@ -29,7 +29,7 @@ const FIELDS = {
   "--gel-thickness": "thickness of the gel",
   "--subset": "side of a square",
   "--reference": "picture of the relaxed gel",
-  "--region": "region of the cell",
+  "--cell": "where the cell is",
   "--traction": "its force on a gel",
 };
 
@@ -77,7 +77,7 @@ const FOR = {
   unit_um: ["arrays"],
   subset_um: ["beads", "arrays"],
   reference: ["beads"],
-  region: ["beads", "arrays"],
+  cell: ["beads", "arrays"],
 };
 
 /**
@@ -131,7 +131,7 @@ export class Measured extends EventTarget {
     this.#add("unit_um", "A displacement of 1 is, \u00b5m", numberField("a pixel"));
     this.#add("subset_um", "Side of a square, \u00b5m", numberField());
     this.#add("reference", "Picture of the relaxed gel", make("input", { type: "file" }));
-    this.#add("region", "Region of the cell, a mask or an outline", make("input", { type: "file" }));
+    this.#add("cell", "Where the cell is: a film or picture of it, a mask or an outline", make("input", { type: "file" }));
   }
 
   /** @param {string} key @param {string} words @param {HTMLInputElement | HTMLSelectElement} input */
@@ -256,7 +256,7 @@ export class Measured extends EventTarget {
       subset_um: this.#number("subset_um"),
       frame_rate_per_s: this.#number("frame_rate_per_s"),
       reference: this.#given.get("reference") ?? null,
-      region: this.#given.get("region") ?? null,
+      cell: this.#given.get("cell") ?? null,
     };
   }
 

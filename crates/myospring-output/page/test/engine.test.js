@@ -143,7 +143,7 @@ test("a setting outside its bounds, an unknown key and a file that is no picture
 });
 
 /** What a request about a gel does not say. */
-const UNSAID = { gel_poisson: null, gel_thickness_um: null, unit_um: null, subset_um: null, frame_rate_per_s: null, reference: null, region: null };
+const UNSAID = { gel_poisson: null, gel_thickness_um: null, unit_um: null, subset_um: null, frame_rate_per_s: null, reference: null, cell: null };
 
 /** @param {any} one @param {any} other @param {string} name @param {number} tolerance */
 function sameForces(one, other, name, tolerance) {
@@ -164,10 +164,10 @@ test("tractions of displacements, and of beads, are those of the program", async
   }
   const gel = { ...UNSAID, gel_modulus_kpa: 5 };
   const thick = ["--gel-modulus", "5 kPa", "--force"];
-  const told = { ...gel, gel_poisson: 0.45, gel_thickness_um: 40, region: "cell.geojson" };
-  const layer = ["--gel-poisson", "0.45", "--gel-thickness", "40 um", "--region", "cell.geojson"];
-  const around = { ...gel, region: "around.geojson" };
-  const besides = ["--region", "around.geojson"];
+  const told = { ...gel, gel_poisson: 0.45, gel_thickness_um: 40, cell: "cell.geojson" };
+  const layer = ["--gel-poisson", "0.45", "--gel-thickness", "40 um", "--cell", "cell.geojson"];
+  const around = { ...gel, cell: "around.geojson" };
+  const besides = ["--cell", "around.geojson"];
   for (const [name, request, args, least] of /** @type {[string, any, string[], number][]} */ ([
     ["arrays", { ...gel, files: ["u.npy", "v.npy"], pixel_size_um: 0.5 }, ["u.npy", "v.npy", "--pixel-size", "0.5 um"], 5],
     ["layer", { ...told, files: ["u.npy", "v.npy"], pixel_size_um: 0.5 }, ["u.npy", "v.npy", "--pixel-size", "0.5 um", ...layer], 5],

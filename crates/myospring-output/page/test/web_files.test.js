@@ -209,7 +209,7 @@ test("two arrays of displacements are dropped and give the force of the cell, in
     assert.equal(await page.locator("#map img").isVisible(), true);
     assert.match((await page.locator("#warnings").textContent()) ?? "", /false tractions/);
     assert.equal(await page.getByRole("button", { name: "Fit the cell" }).isVisible(), false);
-    await page.locator("#measured").getByLabel("Region of the cell").setInputFiles(join(folder, "region.geojson"));
+    await page.locator("#measured").getByLabel("Where the cell is").setInputFiles(join(folder, "region.geojson"));
     await ran(page, first + 2);
     assert.equal(await ended(page), null);
     assert.notEqual(await force(), whole);

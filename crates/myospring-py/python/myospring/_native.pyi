@@ -401,8 +401,9 @@ def traction_of_arrays(
     spacing_um: float,
     subset_um: float | None,
     gel: tuple[float, float, float | None],
-    region: str | None,
+    cell: tuple[str, int | None] | None,
     frame_rate_per_s: float | None,
+    threads: int | None,
     progress: _Progress,
 ) -> Tractions: ...
 def traction_of_beads(
@@ -413,7 +414,7 @@ def traction_of_beads(
     subset_um: float | None,
     channel: int | None,
     gel: tuple[float, float, float | None],
-    region: str | None,
+    cell: tuple[str, int | None] | None,
     frame_rate_per_s: float | None,
     threads: int | None,
     progress: _Progress,

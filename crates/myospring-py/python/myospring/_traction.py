@@ -175,7 +175,8 @@ def traction(
     frame: int | None = None,
     subset_um: float | None = None,
     channel: int | None = None,
-    region: str | PathLike[str] | None = None,
+    cell: str | PathLike[str] | None = None,
+    cell_channel: int | None = None,
     threads: int | None = None,
     progress: Progress = None,
 ) -> Tractions:
@@ -186,7 +187,8 @@ def traction(
     source : path, array_like, or tuple of two array_like
         A film of beads in the gel (or a folder of its pictures, or grey values of the shape (frames, rows, columns)); with
         `reference` also one picture of the pulled gel; or two arrays of displacements, um, to the right and downward, of the
-        shape (rows, columns) or (frames, rows, columns), rows from the top.
+        shape (rows, columns) or (frames, rows, columns), rows from the top; or a table of them (.csv, .txt) with the columns x, y,
+        u, v and perhaps frame, in pixels or um.
     gel_modulus_kpa, gel_poisson, gel_thickness_um : float
         Young's modulus, kPa, and Poisson's ratio of the gel; its thickness, um, if it is a layer bonded to glass.
     pixel_size_um : float or None
@@ -204,9 +206,12 @@ def traction(
         in which they were measured; None: these do not overlap.
     channel : int or None
         Channel of the beads, from 0.
-    region : path or None
-        Where the cell is: a picture of the size of the film (of arrays: with a pixel for each displacement), black where the
-        cell is not, or a file of outlines.
+    cell : path or None
+        Where the cell is: a film or picture of it in the same window, in which it is found and 2 um around it are added; or a file of
+        outlines, or a picture that is black elsewhere, a little larger than the cell (of arrays with a pixel for each
+        displacement).
+    cell_channel : int or None
+        Channel that shows the cell, from 0.
     threads : int or None
         Number of threads; the results do not depend on it.
     progress : callable, bool or None
@@ -226,7 +231,7 @@ def traction(
         A file cannot be read.
     """
     gel = (gel_modulus_kpa, gel_poisson, gel_thickness_um)
-    place = None if region is None else os.fspath(region)
+    place = None if cell is None else (os.fspath(cell), cell_channel)
     if isinstance(source, tuple):
         if len(source) != 2:
             raise ValueError(f"there are {len(source)} arrays; give displacements to the right and downward")
@@ -234,7 +239,7 @@ def traction(
             raise ValueError("spacing_um is missing: arrays do not say how far apart their displacements are")
         pair = (_film(source[0], "u"), _film(source[1], "v"))
         found = _native.traction_of_arrays(
-            pair, spacing_um, subset_um, gel, place, frame_rate_per_s, heard(progress)
+            pair, spacing_um, subset_um, gel, place, frame_rate_per_s, threads, heard(progress)
         )
     elif spacing_um is not None:
         raise ValueError("spacing_um is for arrays of displacements; pictures of beads have pixel_size_um")

@@ -36,6 +36,7 @@ use serde::Serialize;
 pub use shapes::Shapes;
 use std::path::Path;
 use std::sync::Arc;
+use traction::{ForceReader, ReadForce};
 pub use traction::{SCALE_ERROR, TractionCurve, on_gel, scale_error};
 
 /// A fit whose files are read, and whose film is followed.
@@ -101,10 +102,21 @@ impl FitCell {
         notes.extend(run.assumed.iter().cloned());
         let own = own.is_some();
         let scale_error = traction::scale_error(self.traction_error)?;
+        let reader = ForceReader {
+            support: run.support,
+            options: &self.table,
+            beats: &self.beats,
+            cell: film.as_ref().map(|film| &film.followed),
+            threads: self.threads,
+            files,
+            observer,
+        };
+        let mut tractions = Vec::new();
         for curve in &self.traction {
-            let (found, note) = curve.read(run.support, &self.table, &self.beats, files)?;
+            let ReadForce { loaded: found, notes: more, tractions: own } = reader.read(curve)?;
             loaded.push(Loaded { scale_error, ..found });
-            notes.push(note);
+            notes.extend(more);
+            tractions.extend(own);
         }
         let made = run.make(shaped, |file| files.bytes(file))?;
         run.fibre = made.fibres.taken;
@@ -117,7 +129,7 @@ impl FitCell {
             (self.beats.clone(), loaded, calcium),
         )?;
         let (threads, files) = (self.threads, files.clone());
-        let work = Work { cell, report, outline, curves, own, threads, files };
+        let work = Work { cell, report, outline, curves, own, tractions, threads, files };
         Ok(PreparedFit { name, stem, film, work: Some(work), notes })
     }
 
@@ -296,6 +308,12 @@ impl Outcome for Fits {
         if let Some(film) = &self.film {
             let own = self.work.as_ref().is_some_and(|work| work.own);
             film.write(folder, &self.name, run.as_mut().filter(|_| own))?;
+        }
+        let tractions = self.work.iter().flat_map(|work| &work.tractions);
+        for (number, found) in (1..).zip(tractions) {
+            let place =
+                if number == 1 { "traction".to_owned() } else { format!("traction_{number}") };
+            found.save(&folder.within(&place), observer)?;
         }
         match (&self.work, run) {
             (Some(work), Some(run)) if !self.cells.is_empty() => {

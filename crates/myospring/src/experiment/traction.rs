@@ -28,14 +28,16 @@
 
 mod arrays;
 mod beats;
+mod cell;
 mod follow;
 mod followed;
 mod found;
 mod frame;
 mod measured;
 mod page;
-mod region;
+mod table;
 
+pub use cell::{CellPlace, MARGIN_UM};
 pub use follow::Beads;
 pub use followed::Followed;
 pub use found::FoundTractions;
@@ -45,6 +47,7 @@ use super::{Experiment, ExperimentError, Files, Observer};
 use crate::mechanics::gel::cytometry::{self, Errors, Tractions};
 use crate::mechanics::gel::pull::{PullAxis, energy_fj, moments_fj};
 use crate::mechanics::gel::{Gel, Surface};
+use cell::Following;
 use measured::{Displacements, Grid};
 use std::path::PathBuf;
 
@@ -55,11 +58,12 @@ pub struct Traction {
     pub source: Source,
     /// The gel; where a cell adheres to it is not used.
     pub gel: Gel,
-    /// A picture, or outlines: tractions are 0 where it is black, or outside. It has the size of the pictures of beads, or a
-    /// pixel for each displacement of an array.
-    pub region: Option<PathBuf>,
+    /// Where the cell is; tractions are 0 elsewhere. `None` seeks them in the whole window.
+    pub cell: Option<CellPlace>,
     /// Frames a second; `None` takes those of the film.
     pub frame_rate_per_s: Option<f64>,
+    /// Threads; `None` uses all cores. The numbers do not depend on it.
+    pub threads: Option<usize>,
 }
 
 /// Where displacements of a gel come from.
@@ -78,6 +82,17 @@ pub enum Source {
         /// its own.
         subset_um: Option<f64>,
     },
+    /// A table of places and displacements, to the right and downward, in pixels unless the names of its columns say um.
+    Table {
+        /// The table: columns x, y, u, v, and perhaps frame; its places form a lattice.
+        file: PathBuf,
+        /// Side of a pixel, um; not needed for columns in um.
+        pixel_size_um: Option<f64>,
+        /// What a displacement of 1 is, um: a pixel, unless stated.
+        unit_um: Option<f64>,
+        /// As of arrays.
+        subset_um: Option<f64>,
+    },
     /// Pictures of beads.
     Beads(Beads),
 }
@@ -94,16 +109,17 @@ impl Traction {
     }
 
     fn from(source: Source, gel: Gel) -> Self {
-        Self { source, gel, region: None, frame_rate_per_s: None }
+        Self { source, gel, cell: None, frame_rate_per_s: None, threads: None }
     }
 
     /// The files that it reads.
     pub fn files(&self) -> Vec<&PathBuf> {
         let of_source: Vec<&PathBuf> = match &self.source {
             Source::Arrays { files, .. } => files.iter().collect(),
+            Source::Table { file, .. } => vec![file],
             Source::Beads(beads) => std::iter::once(&beads.film).chain(&beads.reference).collect(),
         };
-        of_source.into_iter().chain(&self.region).collect()
+        of_source.into_iter().chain(self.cell.as_ref().and_then(CellPlace::path)).collect()
     }
 
     fn check(&self) -> Result<(), ExperimentError> {
@@ -111,6 +127,11 @@ impl Traction {
         let lengths = match &self.source {
             Source::Arrays { pixel_size_um, unit_um, subset_um, .. } => [
                 ("the pixel size", Some(*pixel_size_um), "um"),
+                ("the unit of displacements", *unit_um, "um"),
+                ("the side of a subset", *subset_um, "um"),
+            ],
+            Source::Table { pixel_size_um, unit_um, subset_um, .. } => [
+                ("the pixel size", *pixel_size_um, "um"),
                 ("the unit of displacements", *unit_um, "um"),
                 ("the side of a subset", *subset_um, "um"),
             ],
@@ -148,29 +169,28 @@ impl Traction {
         files: &Files,
         observer: &dyn Observer,
     ) -> Result<(Displacements, Option<Vec<bool>>), ExperimentError> {
-        let rate = self.frame_rate_per_s;
-        let region = |grid: &Grid| {
-            self.region.as_ref().map(|path| region::read(path, grid, files)).transpose()
+        let (rate, threads) = (self.frame_rate_per_s, self.threads);
+        let region = |grid: &Grid, frame_rate_per_s: Option<f64>| {
+            let following = Following { frame_rate_per_s, threads, observer };
+            self.cell.as_ref().map(|cell| cell.places(grid, files, &following)).transpose()
         };
-        match &self.source {
+        let (read, subset_um) = match &self.source {
+            Source::Beads(beads) => {
+                return follow::follow((beads, threads), rate, region, files, observer);
+            }
             Source::Arrays { files: paths, pixel_size_um, unit_um, subset_um } => {
                 let unit = unit_um.unwrap_or(*pixel_size_um);
-                let read = arrays::read(paths, *pixel_size_um, unit, files)?;
-                let overlap = subset_um.map_or(1.0, |side| (side / pixel_size_um).round());
-                let read = Displacements {
-                    frame_rate_per_s: rate,
-                    // No array has as many places.
-                    errors: Errors {
-                        overlap: overlap.clamp(1.0, 1e6) as usize,
-                        ..Errors::default()
-                    },
-                    ..read
-                };
-                let region = region(&read.grid)?;
-                Ok((read, region))
+                (arrays::read(paths, *pixel_size_um, unit, files)?, subset_um)
             }
-            Source::Beads(beads) => follow::follow(beads, rate, region, files, observer),
-        }
+            Source::Table { file, pixel_size_um, unit_um, subset_um } => {
+                (table::read(file, (*pixel_size_um, *unit_um), files)?, subset_um)
+            }
+        };
+        let overlap = subset_um.map_or(1.0, |side| (side / read.grid.pixel_um).round());
+        // No array has as many places.
+        let errors = Errors { overlap: overlap.clamp(1.0, 1e6) as usize, ..Errors::default() };
+        let region = region(&read.grid, rate)?;
+        Ok((Displacements { frame_rate_per_s: rate, errors, ..read }, region))
     }
 }
 
@@ -183,6 +203,9 @@ impl Experiment for Traction {
         observer: &dyn Observer,
     ) -> Result<FoundTractions, ExperimentError> {
         self.check()?;
+        for path in self.files() {
+            files.is_folder(path).map_err(|error| ExperimentError::unread(path, &error))?;
+        }
         let (measured, region) = self.displacements(files, observer)?;
         if measured.followed.is_none() {
             observer.interruption().check().map_err(ExperimentError::new)?;

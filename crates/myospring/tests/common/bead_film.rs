@@ -3,7 +3,7 @@
 
 use super::synthetic_cell::Random;
 use myospring::experiment::Files;
-use myospring::experiment::traction::{Beads, Traction};
+use myospring::experiment::traction::{Beads, CellPlace, Traction};
 use myospring::mechanics::compliance::Compliance;
 use myospring::mechanics::gel::{Gel, GelBed, Surface};
 use myospring::mesh::lattice;
@@ -224,7 +224,10 @@ impl BeadScene {
     /// The experiment on these files, without its reference.
     pub(crate) fn traction(&self) -> Traction {
         let beads = Beads { pixel_size_um: Some(self.pixel_um), ..Beads::of("beads.y4m") };
-        Traction { region: Some("cell.geojson".into()), ..Traction::of_beads(beads, self.gel) }
+        Traction {
+            cell: Some(CellPlace::of("cell.geojson")),
+            ..Traction::of_beads(beads, self.gel)
+        }
     }
 
     /// The same with the picture of the relaxed gel as its reference.
@@ -234,6 +237,9 @@ impl BeadScene {
             reference: Some("relaxed.y4m".into()),
             ..Beads::of("beads.y4m")
         };
-        Traction { region: Some("cell.geojson".into()), ..Traction::of_beads(beads, self.gel) }
+        Traction {
+            cell: Some(CellPlace::of("cell.geojson")),
+            ..Traction::of_beads(beads, self.gel)
+        }
     }
 }

@@ -1,8 +1,13 @@
 //! Tractions from pictures of beads in a gel.
 
 use super::bead_film::BeadScene;
-use myospring::experiment::traction::{FoundTractions, Source, Traction};
-use myospring::experiment::{Experiment, Files, Outcome};
+use super::synthetic_film::FilmScene;
+use myospring::experiment::fit::{FitCell, TractionCurve};
+use myospring::experiment::traction::{CellPlace, FoundTractions, Source, Traction};
+use myospring::experiment::{Experiment, Files, Folder, Outcome};
+use myospring::microscopy::film::Film;
+use myospring::microscopy::picture::Selection;
+use myospring::settings::{self, Value};
 
 fn found(scene: &BeadScene, parts: &[f64], experiment: &Traction) -> FoundTractions {
     experiment.run(&scene.files(parts, 10), &()).unwrap()
@@ -123,7 +128,7 @@ fn pictures_that_show_no_motion_of_beads_are_refused_with_the_reason() {
         ("other.y4m", Some("relaxed.y4m"), "squares are found again"),
     ] {
         let mut experiment = scene.traction();
-        experiment.region = None;
+        experiment.cell = None;
         if let Source::Beads(beads) = &mut experiment.source {
             beads.film = film.into();
             beads.reference = reference.map(Into::into);
@@ -132,4 +137,119 @@ fn pictures_that_show_no_motion_of_beads_are_refused_with_the_reason() {
         let refused = refused.expect_err(film).to_string();
         assert!(refused.contains(said), "{film} {reference:?}: {refused}");
     }
+}
+
+/// A film of the cell in the window of the beads, which beats in every frame as the beads say.
+struct Beside {
+    cell: FilmScene,
+    beads: BeadScene,
+}
+
+impl Beside {
+    fn new() -> Self {
+        let cell = FilmScene {
+            pixel_um: 0.25,
+            cell_um: [48.0, 14.0],
+            frames: 30,
+            beat: 14,
+            shortening: 0.08,
+            noise: 0.05,
+            bits: 8,
+            ..FilmScene::default()
+        };
+        Self { cell, beads: BeadScene { pixel_um: 0.25, ..BeadScene::default() } }
+    }
+
+    /// The film of the cell on a wider ground.
+    fn film(&self) -> Vec<u8> {
+        let (film, [columns, rows]) = (self.cell.film(), self.beads.size());
+        let [width, height] = film.size();
+        let [left, top] = [(columns - width) / 2, (rows - height) / 2];
+        let mut bytes = format!("YUV4MPEG2 W{columns} H{rows} F50:1 Cmono\n").into_bytes();
+        for frame in 0..film.len() {
+            bytes.extend(b"FRAME\n");
+            let plane = film.frame(frame).unwrap();
+            // The ground of the film itself, moved about.
+            let ground = |at: usize| plane.at(at * 7919 % width, at * 104_729 % 8) as u8;
+            let pixel = |at: usize| {
+                let (column, row) = (at % columns, at / columns);
+                let inside =
+                    (left..left + width).contains(&column) && (top..top + height).contains(&row);
+                if inside { plane.at(column - left, row - top) as u8 } else { ground(at) }
+            };
+            bytes.extend((0..columns * rows).map(pixel));
+        }
+        bytes
+    }
+
+    fn files(&self) -> Files {
+        let parts: Vec<f64> = (0..self.cell.frames).map(|at| self.cell.strength(at)).collect();
+        let film = self.film();
+        let first = Film::read(film.clone(), &Selection::default()).unwrap().picture(0).unwrap();
+        let held = [
+            ("beads.y4m", self.beads.film(&parts, 50)),
+            ("relaxed.y4m", self.beads.reference()),
+            ("around.geojson", BeadScene::region()),
+            ("cell.y4m", film),
+            ("cell.tif", first),
+            ("small.y4m", self.cell.bytes()),
+        ];
+        Files::holding(held.map(|(name, bytes)| (name.to_owned(), bytes)).into())
+    }
+}
+
+#[test]
+fn a_film_or_a_picture_of_the_cell_says_where_it_is() {
+    let beside = Beside::new();
+    let files = beside.files();
+    let force = |cell: &str| {
+        let cell = Some(CellPlace::of(cell));
+        let found = Traction { cell, ..beside.beads.traction() }.run(&files, &());
+        found.map(|found| found.strongest().axial_force_nn)
+    };
+    let around = force("around.geojson").unwrap();
+    for place in ["cell.y4m", "cell.tif"] {
+        let found = force(place).unwrap();
+        assert!((found / around - 1.0).abs() < 0.05, "{place}: {found}, {around}");
+    }
+    let whole = Traction { cell: None, ..beside.beads.traction() }.run(&files, &()).unwrap();
+    assert!((whole.strongest().axial_force_nn / around - 1.0).abs() > 0.05);
+    let refused = force("small.y4m").unwrap_err().to_string();
+    assert!(refused.contains("`small.y4m` has 256 columns and 120 rows"), "{refused}");
+    assert!(force("none.y4m").unwrap_err().to_string().contains("none.y4m"));
+}
+
+#[test]
+fn films_of_a_cell_and_of_the_beads_under_it_give_its_tension_in_kpa() {
+    let beside = Beside::new();
+    let files = beside.files();
+    let given = |key: &str, value: Value| (settings::find(key).unwrap(), value);
+    let mut fit = FitCell {
+        to: vec!["cell.y4m".into()],
+        settings: vec![
+            given("cell.model", Value::Text("given_tension".into())),
+            given("shape.pixel_size", Value::Text("0.25 um".into())),
+            given("shape.spacing", Value::Text("3 um".into())),
+        ],
+        traction: vec![TractionCurve { gel_modulus: Some(5.0), path: "beads.y4m".into() }],
+        ..FitCell::default()
+    };
+    fit.table.pixel_size_um = Some(0.25);
+    let found = fit.run(&files, &()).unwrap();
+    let (_, one) = found.fitted().next().unwrap();
+    assert_eq!(one.curves.len(), 2);
+    let force = &one.curves[1];
+    let most = force.measured.iter().copied().fold(0.0, f64::max);
+    let truth = beside.beads.truth().axial_force_nn;
+    assert!((most / truth - 1.0).abs() < 0.1, "{most}, {truth}");
+    let modulus = one.estimate("young_modulus").unwrap();
+    assert!(modulus.value > 0.0 && one.estimate("peak_tension").is_some(), "{modulus:?}");
+    let folder = Folder::in_memory();
+    found.save(&folder, &()).unwrap();
+    for file in ["traction/traction.csv", "traction/report.html", "run.toml", "tension.csv"] {
+        assert!(folder.has(file), "{file}: {:?}", folder.names());
+    }
+    // The window of the beads is that of the film, so that tractions are sought at the cell alone.
+    let summary = String::from_utf8(folder.contents()["traction/summary.json"].clone()).unwrap();
+    assert!(summary.contains("\"confined_to_a_region\": true"), "{summary}");
 }

@@ -67,6 +67,8 @@ impl Candidate {
         sought: &FitOptions,
         loaded: bool,
     ) -> Result<Self, ExperimentError> {
+        // Of the tension itself no number is chosen.
+        let loaded = loaded && !fitter.seeks_tension();
         let settings = sought.settings(&*fitter.simulation().cell, loaded);
         let settings = settings.map_err(|error| not_sought(error, sought))?;
         Ok(Self { run, fitter, settings, driven: false })

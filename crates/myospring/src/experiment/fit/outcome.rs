@@ -5,6 +5,7 @@ use super::curves::Named;
 use super::film::FollowedFilm;
 use super::shapes::Shapes;
 use crate::experiment::tension_map::FilmMap;
+use crate::experiment::traction::FoundTractions;
 use crate::experiment::{Files, Inputs};
 use crate::mechanics::material::Material;
 use crate::mesh::outline::Outline;
@@ -20,6 +21,8 @@ pub(super) struct Work {
     pub(super) curves: Vec<Named>,
     /// Whether the cell is that of the film.
     pub(super) own: bool,
+    /// Of films of beads.
+    pub(super) tractions: Vec<FoundTractions>,
     pub(super) threads: Option<usize>,
     pub(super) files: Files,
 }

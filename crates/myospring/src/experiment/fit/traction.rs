@@ -1,14 +1,21 @@
 //! Forces of a cell on gels, as traction-force microscopy measures them.
 
 use crate::analysis::kind::Kind;
-use crate::experiment::{BeatOptions, ExperimentError, Files};
+use crate::experiment::tables::is_of_tables;
+use crate::experiment::track::{Followed, open_film};
+use crate::experiment::traction::{Beads, CellPlace, FoundTractions, Traction};
+use crate::experiment::{
+    BeatOptions, Experiment as _, ExperimentError, Files, Observer, Outcome as _,
+};
 use crate::fit::{Loaded, Observed};
 use crate::measured::{Curve, TableOptions, listed};
 use crate::mechanics::gel::Gel;
 use crate::mechanics::support::SupportKind;
+use crate::microscopy::picture::Selection;
 use crate::recording::{AXIAL_FORCE, CONTRACTILE_MOMENT, TRACTION_FORCE};
 use crate::settings::{self, Setting};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Relative standard deviation of the scale of measured forces, unless stated: what traction microscopy of simulated beads gets wrong
 /// (`docs/reference/accuracy.md`).
@@ -34,26 +41,66 @@ pub fn scale_error(given: Option<f64>) -> Result<f64, ExperimentError> {
 pub struct TractionCurve {
     /// Young's modulus of the gel, kPa; `None`: the gel of the run.
     pub gel_modulus: Option<f64>,
-    /// The table of the curve.
+    /// The table of the curve, or a film of the beads in the gel.
     pub path: PathBuf,
 }
 
-impl TractionCurve {
-    /// The curve, on the gel on which it was measured, and which column it is.
-    pub(super) fn read(
-        &self,
-        support: SupportKind,
-        options: &TableOptions,
-        beats: &BeatOptions,
-        files: &Files,
-    ) -> Result<(Loaded, String), ExperimentError> {
-        files.note(&self.path);
-        // Columns and kind are those of the cell's own curve.
-        let options = TableOptions { values: Vec::new(), kind: None, ..options.clone() };
-        let table = files.table(&self.path, &options)?;
-        let (loaded, note) = on_gel(&table.curves, (support, self.gel_modulus), beats)
-            .map_err(|error| error.also(&format!("the table is `{}`", self.path.display())))?;
-        Ok((loaded, format!("{}: {note}", self.path.display())))
+/// A force on a gel as it was read.
+pub(super) struct ReadForce {
+    pub(super) loaded: Loaded,
+    /// Which column it is, and what was odd.
+    pub(super) notes: Vec<String>,
+    /// Of a film.
+    pub(super) tractions: Option<FoundTractions>,
+}
+
+/// What forces on gels are read with.
+pub(super) struct ForceReader<'a> {
+    pub(super) support: SupportKind,
+    pub(super) options: &'a TableOptions,
+    pub(super) beats: &'a BeatOptions,
+    /// The cell of the film to which it is fitted.
+    pub(super) cell: Option<&'a Arc<Followed>>,
+    pub(super) threads: Option<usize>,
+    pub(super) files: &'a Files,
+    pub(super) observer: &'a dyn Observer,
+}
+
+impl ForceReader<'_> {
+    pub(super) fn read(&self, curve: &TractionCurve) -> Result<ReadForce, ExperimentError> {
+        self.files.note(&curve.path);
+        let name = curve.path.display();
+        let (curves, tractions) = if is_of_tables(&curve.path) {
+            // Columns and kind are those of the cell's own curve.
+            let options = TableOptions { values: Vec::new(), kind: None, ..self.options.clone() };
+            (self.files.table(&curve.path, &options)?.curves, None)
+        } else {
+            let gel = gel((self.support, curve.gel_modulus))?;
+            let found = self.follow(&curve.path, gel)?;
+            (found.force().into_iter().collect(), Some(found))
+        };
+        let (loaded, note) = on_gel(&curves, (self.support, curve.gel_modulus), self.beats)
+            .map_err(|error| error.also(&format!("the force is that of `{name}`")))?;
+        let warnings = tractions.iter().flat_map(FoundTractions::warnings);
+        let notes = std::iter::once(note).chain(warnings);
+        let notes = notes.map(|note| format!("{name}: {note}")).collect();
+        Ok(ReadForce { loaded, notes, tractions })
+    }
+
+    /// The tractions of a film of beads, in the region of the cell if the film that is fitted shows the same window.
+    fn follow(&self, path: &Path, gel: Gel) -> Result<FoundTractions, ExperimentError> {
+        let beads = Beads { pixel_size_um: self.options.pixel_size_um, ..Beads::of(path) };
+        let shown = open_film(path, &Selection::default(), 1, self.files)?.size();
+        let cell = self.cell.filter(|cell| cell.film.size() == shown);
+        let traction = Traction {
+            cell: cell.map(|cell| CellPlace::Followed(Arc::clone(cell))),
+            frame_rate_per_s: self.options.frame_rate_per_s,
+            threads: self.threads,
+            ..Traction::of_beads(beads, gel)
+        };
+        let found = traction.run(self.files, self.observer)?;
+        self.observer.interruption().check().map_err(ExperimentError::new)?;
+        Ok(found)
     }
 }
 
@@ -90,6 +137,18 @@ pub fn on_gel(
         ))
         .advise("write the unit into the head of the column, like force_nN"));
     };
+    let gel = gel((support, gel_modulus))?;
+    let stimuli = beats.within(curve).stimuli_ms;
+    let stimuli = (!stimuli.is_empty()).then_some(stimuli.as_slice());
+    let mut observed = Observed::of_load(curve, stimuli, load)?;
+    let what = if load == CONTRACTILE_MOMENT { "moment" } else { "force" };
+    observed.name = format!("{what} on {} kPa", gel.modulus);
+    let note = format!("`{}` is fitted as the {}", curve.name, meaning(load));
+    Ok((Loaded::exact(SupportKind::Gel(gel), observed), note))
+}
+
+/// The gel of a force: of this modulus (kPa), or that of the run.
+fn gel((support, gel_modulus): (SupportKind, Option<f64>)) -> Result<Gel, ExperimentError> {
     let bounds = settings::find("mechanics.gel_modulus").and_then(Setting::bounds);
     let out = |modulus: &f64| bounds.is_some_and(|bounds| !bounds.contains(*modulus));
     if let Some(modulus) = gel_modulus.filter(out) {
@@ -98,7 +157,7 @@ pub fn on_gel(
             "--traction: a gel of {modulus} kPa; it must be {words}"
         )));
     }
-    let gel = match (support, gel_modulus) {
+    Ok(match (support, gel_modulus) {
         (SupportKind::Gel(gel), Some(modulus)) => Gel { modulus, ..gel },
         (SupportKind::Gel(gel), None) => gel,
         (_, Some(modulus)) => Gel::half_space(modulus),
@@ -111,14 +170,7 @@ pub fn on_gel(
                  --traction \"10 kPa=force.csv\"",
             ));
         }
-    };
-    let stimuli = beats.within(curve).stimuli_ms;
-    let stimuli = (!stimuli.is_empty()).then_some(stimuli.as_slice());
-    let mut observed = Observed::of_load(curve, stimuli, load)?;
-    let what = if load == CONTRACTILE_MOMENT { "moment" } else { "force" };
-    observed.name = format!("{what} on {} kPa", gel.modulus);
-    let note = format!("`{}` is fitted as the {}", curve.name, meaning(load));
-    Ok((Loaded::exact(SupportKind::Gel(gel), observed), note))
+    })
 }
 
 fn meaning(load: &str) -> &'static str {

@@ -43,7 +43,8 @@ pub(in crate::experiment) fn open(
         ))
     };
     if files.is_folder(path).map_err(|error| ExperimentError::unread(path, &error))? {
-        return Film::of_pictures(pictures(path, files)?, selection).map_err(failed);
+        let read = if fewest > 1 { Film::of_pictures } else { Film::of_any_pictures };
+        return read(pictures(path, files)?, selection).map_err(failed);
     }
     let kind = ending(path);
     if !FILM_ENDINGS.contains(&kind.as_str()) {

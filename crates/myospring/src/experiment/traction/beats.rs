@@ -8,11 +8,11 @@ use crate::experiment::analyse::{AnalysedCurve, Mean, means};
 use crate::measured::Curve;
 use serde::Serialize;
 
-/// The beats of the axial force, as `analyse` finds them in `traction.csv`; `None` of one frame, and where times are not known.
-pub(super) fn of(frames: &[TractionFrame]) -> Option<AnalysedCurve> {
+/// The axial force over time; `None` of one frame, and where times are not known.
+pub(super) fn curve(frames: &[TractionFrame]) -> Option<Curve> {
     let times_ms: Option<Vec<f64>> = frames.iter().map(|frame| frame.t_ms).collect();
     let times_ms = times_ms.filter(|times| times.len() > 1)?;
-    let curve = Curve {
+    Some(Curve {
         name: "axial_force_nN".to_owned(),
         kind: Kind::Force,
         unit: "nN",
@@ -21,8 +21,12 @@ pub(super) fn of(frames: &[TractionFrame]) -> Option<AnalysedCurve> {
         lines: (2..).take(frames.len()).collect(),
         times_ms,
         stimuli_ms: Vec::new(),
-    };
-    Some(AnalysedCurve::of("", curve, &BeatOptions::default()))
+    })
+}
+
+/// The beats of the axial force, as `analyse` finds them in `traction.csv`; `None` where that is no curve.
+pub(super) fn of(frames: &[TractionFrame]) -> Option<AnalysedCurve> {
+    Some(AnalysedCurve::of("", curve(frames)?, &BeatOptions::default()))
 }
 
 /// Beats in `summary.json`.

@@ -33,8 +33,6 @@ pub struct Beads {
     pub subset_um: Option<f64>,
     /// Channel of the pictures, from 0; `None` takes the first.
     pub channel: Option<usize>,
-    /// Threads; `None` uses all cores. The numbers do not depend on it.
-    pub threads: Option<usize>,
 }
 
 impl Beads {
@@ -47,16 +45,15 @@ impl Beads {
             pixel_size_um: None,
             subset_um: None,
             channel: None,
-            threads: None,
         }
     }
 }
 
 /// Follows beads. `region` makes of the places in the pictures those of the cell.
 pub(super) fn follow(
-    beads: &Beads,
+    (beads, threads): (&Beads, Option<usize>),
     frame_rate: Option<f64>,
-    region: impl FnOnce(&Grid) -> Result<Option<Vec<bool>>, ExperimentError>,
+    region: impl FnOnce(&Grid, Option<f64>) -> Result<Option<Vec<bool>>, ExperimentError>,
     files: &Files,
     observer: &dyn Observer,
 ) -> Result<(Displacements, Option<Vec<bool>>), ExperimentError> {
@@ -87,7 +84,7 @@ pub(super) fn follow(
         (film, rest)
     };
     let rest = rest.map_err(|error| failed(&error))?;
-    let settings = BeadSettings { pixel_size, subset_um: beads.subset_um, threads: beads.threads };
+    let settings = BeadSettings { pixel_size, subset_um: beads.subset_um, threads };
     let interruption = observer.interruption();
     observer.keeps("the frames that are done are written");
     let mut begun = false;
@@ -110,7 +107,7 @@ pub(super) fn follow(
         first: motion.first,
         step: motion.step,
     };
-    let region = region(&grid)?;
+    let region = region(&grid, frame_rate_per_s)?;
     let far = region.as_ref().map(|region| region.iter().map(|within| !within).collect::<Vec<_>>());
     let stage_um = motion.take_drift(far.as_deref());
     let displacements = displacements(beads, motion, &stage_um, grid, region.is_some());

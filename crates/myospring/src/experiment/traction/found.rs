@@ -1,12 +1,13 @@
 //! The tractions that were found: numbers, tables, arrays, a map.
 
-use super::beats::{BeatsReport, report};
+use super::beats::{self, BeatsReport, report};
 use super::followed::Followed;
 use super::frame::TractionFrame;
 use super::measured::{Displacements, upward};
 use super::page::{self, Shown};
 use crate::experiment::analyse::AnalysedCurve;
 use crate::experiment::{Draw, ExperimentError, Folder, Observer, Outcome};
+use crate::measured::Curve;
 use crate::mechanics::gel::cytometry::Tractions;
 use crate::mechanics::gel::pull::PullAxis;
 use crate::mechanics::gel::{Gel, Surface};
@@ -110,6 +111,11 @@ impl FoundTractions {
     /// Distance of neighbouring places, um.
     pub fn spacing_um(&self) -> f64 {
         self.measured.surfaces[0].spacing
+    }
+
+    /// The axial force over time, where times are known.
+    pub fn force(&self) -> Option<Curve> {
+        beats::curve(&self.frames)
     }
 
     /// Displacements (um), then tractions (Pa), each to the right and downward: of frames, rows from the top, and columns.

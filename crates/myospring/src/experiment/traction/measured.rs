@@ -1,6 +1,7 @@
 //! Displacements of a gel as they were measured, and where they lie in the pictures.
 
 use super::followed::Followed;
+use crate::experiment::ExperimentError;
 use crate::mechanics::gel::Surface;
 use crate::mechanics::gel::cytometry::Errors;
 
@@ -39,6 +40,25 @@ impl Grid {
     /// A picture with one pixel for each place.
     pub(super) fn of_pixels(shape: [usize; 2], pixel_um: f64) -> Self {
         Self { picture: shape, pixel_um, shape, first: [0; 2], step: 1 }
+    }
+
+    /// Refuses a picture of another size.
+    pub(super) fn check_size(&self, found: [usize; 2], name: &str) -> Result<(), ExperimentError> {
+        let ([width, height], [columns, rows]) = (found, self.picture);
+        if found == self.picture {
+            return Ok(());
+        }
+        let (what, advice) = if self.step == 1 {
+            ("the displacements have", "scale it to one pixel for each displacement")
+        } else {
+            (
+                "the pictures of beads have",
+                "it must show the same window at the same scale; or give an outline in um",
+            )
+        };
+        let message =
+            format!("`{name}` has {width} columns and {height} rows, {what} {columns} and {rows}");
+        Err(ExperimentError::new(message).advise(advice))
     }
 
     /// Which places have one of these pixels in the square of the lattice around them, rows from the lowest. `inside` has the
