@@ -312,8 +312,8 @@ pub(crate) struct TrackArgs {
 pub(crate) struct TractionArgs {
     /// Film (.tif, .avi, ...), folder of pictures or one picture of the beads in the gel; or two NumPy arrays (.npy) of the
     /// displacements of the gel to the right and downward, rows from the top: of rows and columns, or of frames, rows and
-    /// columns, as pyTFM has them; or a table of them (.csv, .txt, ...) with the columns x, y, u, v and perhaps frame, in pixels or
-    /// um (x_um, ...), as programs for particle image velocimetry write it
+    /// columns, as pyTFM has them; or a table of them (.csv, .txt, ...) with the columns x, y, u, v and perhaps frame, in pixels or in
+    /// um if their names say so, as programs for particle image velocimetry write it
     #[arg(value_name = "FILM|U V|TABLE", num_args = 1..=2, required = true)]
     pub(crate) input: Vec<PathBuf>,
     /// Side of a pixel of the pictures ("0.16 um") [default: that of the file]; of arrays, the distance of neighbouring places

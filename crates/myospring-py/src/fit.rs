@@ -7,9 +7,10 @@ use crate::waiting::interruptible;
 use crate::{beat, errors, settings, words};
 use myospring::analysis::kind::Family;
 use myospring::experiment::fit::{
-    FitCell, Fits, FittableCell, Models, RecordedCalcium, Shapes, between_springs, of_table,
-    on_gel, scale_error, seeks_tension,
+    FitCell, Fits, FittableCell, Models, RecordedCalcium, Shapes, TractionCurve, between_springs,
+    of_table, on_gel, scale_error, seeks_tension,
 };
+use myospring::experiment::tables::is_of_tables;
 use myospring::experiment::{BeatOptions, ExperimentError, Files};
 use myospring::fit::{Fit, FitOptions, Loaded};
 use myospring::measured::{self, Column, Curve, Kind, ReadError, Table, TableOptions};
@@ -276,19 +277,36 @@ pub(crate) struct FilmFit {
     files: Files,
 }
 
-/// Fits the cell of a film to its own motion; `given` are settings by key.
+/// Whether a file is a film rather than a table of curves.
 #[pyfunction]
 #[allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+pub(crate) fn is_film(path: PathBuf) -> bool {
+    !is_of_tables(&path)
+}
+
+/// Fits the cell of a film to its own motion; `given` are settings by key, `traction` files of its force on gels of these moduli, with
+/// the error of their scale.
+#[pyfunction]
+#[allow(
+    clippy::needless_pass_by_value,
+    clippy::too_many_arguments,
+    reason = "what Python hands over is owned; the layer in Python names it"
+)]
 pub(crate) fn fit_film(
     py: Python<'_>,
     film: PathBuf,
     given: &Bound<'_, PyDict>,
     reading: Reading,
     asked: Asked,
+    traction: (Vec<(Option<f64>, PathBuf)>, f64),
     threads: Option<usize>,
     progress: Progress,
 ) -> PyResult<FilmFit> {
+    let (forces, error) = traction;
+    let on = |(gel_modulus, path)| TractionCurve { gel_modulus, path };
     let fit = FitCell {
+        traction: forces.into_iter().map(on).collect(),
+        traction_error: Some(error),
         to: vec![film],
         settings: settings::list(given)?,
         table: reading.options()?,

@@ -63,6 +63,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit::read_curves, module)?)?;
     module.add_function(wrap_pyfunction!(fit::read_calcium, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit_film, module)?)?;
+    module.add_function(wrap_pyfunction!(fit::is_film, module)?)?;
     module.add_function(wrap_pyfunction!(tension_map::tension_map, module)?)?;
     module.add_function(wrap_pyfunction!(batch::simulate_batch, module)?)?;
     module.add_function(wrap_pyfunction!(action_potential::action_potential, module)?)?;

@@ -34,7 +34,7 @@ def beads(u: np.ndarray, v: np.ndarray, part: float) -> np.ndarray:
 
 def test_tractions_of_arrays_in_any_order_and_their_table(tmp_path):
     u, v = pulled()
-    with pytest.warns(myospring.MyospringWarning, match="region"):
+    with pytest.warns(myospring.MyospringWarning, match="whole window"):
         found = myospring.traction((u, v), spacing_um=1.0, gel_modulus_kpa=10)
         turned = myospring.traction((np.asfortranarray(u), v), spacing_um=1.0, gel_modulus_kpa=10)
     assert found.axial_force_nn.shape == (1,) and found.axial_force_nn[0] > 0
@@ -54,13 +54,13 @@ def test_tractions_of_arrays_in_any_order_and_their_table(tmp_path):
 def test_tractions_of_pictures_of_beads_are_those_of_their_displacements():
     u, v = pulled()
     relaxed, now = beads(u, v, 0.0), beads(u, v, 1.0)
-    with pytest.warns(myospring.MyospringWarning, match="region"):
+    with pytest.warns(myospring.MyospringWarning, match="whole window"):
         found = myospring.traction(now, reference=relaxed, pixel_size_um=0.25, gel_modulus_kpa=10)
         known = myospring.traction((u, v), spacing_um=1.0, gel_modulus_kpa=10)
     assert found.numbers["beads"]["relative_to_rest"] is False
     assert found.contractile_moment_fj[0] == pytest.approx(known.contractile_moment_fj[0], rel=0.3)
     film = np.stack([beads(u, v, part) for part in (0, 0, 0, 0.5, 1, 0.5, 0, 0)])
-    with pytest.warns(myospring.MyospringWarning, match="region"):
+    with pytest.warns(myospring.MyospringWarning, match="whole window"):
         found = myospring.traction(film, pixel_size_um=0.25, frame_rate_per_s=10, gel_modulus_kpa=10)
     assert int(np.argmax(found.axial_force_nn)) == 4
     assert found.to_dataframe()["t_ms"].iloc[-1] == pytest.approx(700)

@@ -3,6 +3,7 @@
 use super::bead_film::BeadScene;
 use super::{json, myospring, names, stderr, stdout};
 use myospring::output::npz::{Array, from_npy, to_npy};
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -181,6 +182,23 @@ fn a_film_of_beads_gives_forces_that_other_commands_read() {
     let again = json(&myospring(at, &[&["traction", "--json"], &arrays[..], &gel, &size].concat()));
     let smoothing = |of: &serde_json::Value| of["smoothing_um_per_kpa"].as_f64().unwrap();
     assert!((smoothing(&again) / smoothing(&numbers) - 1.0).abs() < 1e-6);
+    // So are those of a table of places, in pixels.
+    let [u, v] = ["u.npy", "v.npy"].map(|name| array(&results.join(name)));
+    let (rows, columns) = (u.shape()[1], u.shape()[2]);
+    let step = numbers["beads"]["spacing_px"].as_u64().unwrap() as usize;
+    let mut table = "frame,x,y,u,v\n".to_owned();
+    for (at, (u, v)) in u.as_floats().unwrap().iter().zip(v.as_floats().unwrap()).enumerate() {
+        let (frame, place) = (at / (rows * columns), at % (rows * columns));
+        let [x, y] = [place % columns, place / columns].map(|at| at * step);
+        writeln!(table, "{frame},{x},{y},{u},{v}").unwrap();
+    }
+    fs::write(at.join("piv.csv"), table).unwrap();
+    let size = ["--pixel-size", "0.3 um", "--subset", &subset, "--output", "of_table"];
+    let of_table = [&["traction", "--json", "piv.csv"], &gel[..], &size].concat();
+    let of_table = json(&myospring(at, &of_table));
+    assert!((smoothing(&of_table) / smoothing(&numbers) - 1.0).abs() < 1e-6);
+    let found = ["traction", "piv.csv", "--cell-channel", "1", "--gel-modulus", "1 kPa"];
+    assert_eq!(myospring(at, &found).status.code(), Some(2));
     // A pair.
     fs::write(at.join("pulled.y4m"), scene.film(&[1.0], 12)).unwrap();
     let pair = ["traction", "pulled.y4m", "--reference", "relaxed.y4m", "--json"];

@@ -70,8 +70,8 @@ const FOR = {
   stimulus_period_ms: ["curve"],
   peak_shortening_pct: ["curve"],
   allow_cut: ["film"],
-  traction: ["curve"],
-  gel_modulus_kpa: ["curve", "beads", "arrays"],
+  traction: ["curve", "film"],
+  gel_modulus_kpa: ["curve", "film", "beads", "arrays"],
   gel_poisson: ["beads", "arrays"],
   gel_thickness_um: ["beads", "arrays"],
   unit_um: ["arrays"],
@@ -124,7 +124,7 @@ export class Measured extends EventTarget {
     this.#add("stimulus_period_ms", "Time between stimuli, ms", numberField());
     this.#add("peak_shortening_pct", "Largest shortening, %", numberField());
     this.#add("allow_cut", "The frame may cut the cell", make("input", { type: "checkbox" }));
-    this.#add("traction", "Its force on a gel, a table", make("input", { type: "file" }));
+    this.#add("traction", "Its force on a gel: a table, or a film of beads", make("input", { type: "file" }));
     this.#add("gel_modulus_kpa", "Modulus of the gel, kPa", numberField());
     this.#add("gel_poisson", "Poisson's ratio of the gel", numberField("0.49"));
     this.#add("gel_thickness_um", "Thickness of the gel, \u00b5m", numberField("a half-space"));

@@ -6,6 +6,7 @@ import html
 import json
 import os
 import tempfile
+import warnings
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from os import PathLike
@@ -26,6 +27,7 @@ from myospring._progress import Progress, heard
 from myospring._reading import Curve, Read, Reading
 from myospring._settings import PictureSettings, given_of_beat, given_of_picture
 from myospring._tension_map import TensionMap
+from myospring._traction import traction as traction_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -432,8 +434,8 @@ def fit(
     loaded : mapping or None
         Curves of the same cell between two springs, such as carbon fibres, by the stiffness of each spring, nN/um.
     traction : path, times and values, mapping, or None
-        Force of the same cell on a gel, which gives tension and stiffness in kPa: a table (``traction.csv``), or times in ms and
-        the sum of the absolute forces in nN. It was measured on the gel of the settings (``support="gel"``); a mapping gives
+        Force of the same cell on a gel, which gives tension and stiffness in kPa: a table (``traction.csv``), a film of the beads in
+        the gel, or times in ms and the sum of the absolute forces in nN. It was measured on the gel of the settings (``support="gel"``); a mapping gives
         curves by Young's modulus of their gel, kPa.
     traction_error : float
         Relative standard deviation of the scale of these forces, apart from noise. That of the gel's modulus does not count, since it
@@ -511,13 +513,18 @@ def fit(
         "fit", free, fix, bounds, starts, seed, stimulus_times_ms, peak_shortening_pct, named
     )
     if film is not None:
-        if not (curve is None and cell is None and not loaded and traction is None and recorded_calcium is None):
-            raise ValueError(
-                "film gives the curve and the cell; leave curve, cell, loaded, traction and recorded_calcium out"
-            )
+        if not (curve is None and cell is None and not loaded and recorded_calcium is None):
+            raise ValueError("film gives the curve and the cell; leave curve, cell, loaded and recorded_calcium out")
         given |= given_of_picture("fit", pixel_size_um, of_film)
+        pulls: list[tuple[float | None, str]] = []
+        for modulus, force in _by_modulus(traction).items():
+            if not isinstance(force, (str, PathLike)):
+                raise ValueError("traction of a film is a table or a film of beads; give its path")
+            pulls.append((modulus, os.fspath(force)))
         with film_path(film) as path:
-            native = _native.fit_film(path, given, reading.by_name(), asked, threads, heard(progress))
+            native = _native.fit_film(
+                path, given, reading.by_name(), asked, (pulls, traction_error), threads, heard(progress)
+            )
         found = Fit._of_film(native)
         warn([*found.notes, *found.verdicts, *(found.tension_map.warnings if found.tension_map else ())])
         return found
@@ -530,11 +537,15 @@ def fit(
         between.append((float(stiffness), held_curve))
         notes += more
     forces = []
-    for modulus, force in (traction if isinstance(traction, Mapping) else {None: traction}).items():
-        if force is not None:
-            own = replace(reading, columns=(), kind="force", unit="nN", mean=False)
-            own = replace(own, kind=None, unit=None) if isinstance(force, (str, PathLike)) else own
-            forces.append((modulus, own.curves(force, "traction")[0]))
+    for modulus, force in _by_modulus(traction).items():
+        own = replace(reading, columns=(), kind="force", unit="nN", mean=False)
+        if isinstance(force, (str, PathLike)) and _native.is_film(os.fspath(force)):
+            pulled, more = _of_beads(force, modulus, given, reading, pixel_size_um)
+            forces.append((modulus, own.curves(pulled, "axial_force_nN")[0]))
+            notes += more
+            continue
+        own = replace(own, kind=None, unit=None) if isinstance(force, (str, PathLike)) else own
+        forces.append((modulus, own.curves(force, "traction")[0]))
     cell = cell_of(cell)
     calcium = _calcium(reading, curve, one, recorded_calcium, [calcium_rest_um, calcium_peak_um])
     fitter = _native.Fitter(cell._native, given, asked, between, (forces, traction_error), calcium)
@@ -543,6 +554,28 @@ def fit(
     found = Fit(cell, one[0], text, run_file, notes)
     warn([*notes, *found.verdicts])
     return found
+
+
+def _by_modulus(traction: Curve | Mapping[float, Curve] | None) -> Mapping[float | None, Curve]:
+    """Returns curves by Young's modulus of their gel, kPa; None: the gel of the settings."""
+    if traction is None:
+        return {}
+    return dict(traction) if isinstance(traction, Mapping) else {None: traction}
+
+
+def _of_beads(
+    film: str | PathLike[str], modulus: float | None, given: dict[str, Any], reading: Reading, pixel_size_um: float | None
+) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], list[str]]:
+    """Returns times, ms, and the axial force, nN, of a film of beads, and what was odd."""
+    kpa = given.get("mechanics.gel_modulus") if modulus is None else modulus
+    if kpa is None:
+        raise ValueError("a film of beads needs Young's modulus of its gel; give a mapping, like {10.0: film}")
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        found = traction_of(
+            film, gel_modulus_kpa=float(kpa), pixel_size_um=pixel_size_um, frame_rate_per_s=reading.frame_rate_per_s
+        )
+    return (found.t_ms, found.axial_force_nn), [f"{os.fspath(film)}: {one.message}" for one in said]
 
 
 def _calcium(

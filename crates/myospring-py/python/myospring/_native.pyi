@@ -424,9 +424,11 @@ def fit_film(
     given: dict[str, Any],
     reading: dict[str, Any],
     asked: dict[str, Any],
+    traction: tuple[list[tuple[float | None, str]], float],
     threads: int | None,
     progress: _Progress,
 ) -> FilmFit: ...
+def is_film(path: str) -> bool: ...
 def tension_map(
     film: str,
     given: dict[str, Any],

@@ -22,7 +22,7 @@ use super::{Experiment, ExperimentError, Files, Folder, Observer, Outcome};
 use crate::cell as cells;
 use crate::fit::Loaded;
 use crate::interruption::Interruption;
-use crate::settings::{self, Run, Shaped, Value};
+use crate::settings::{self, PICTURE_ENDINGS, Run, Shaped, Value};
 use crate::study::Threads;
 pub use calcium::{DrivingCalcium, RecordedCalcium};
 pub use cell::{FittableCell, FittedCell};
@@ -106,7 +106,8 @@ impl FitCell {
             support: run.support,
             options: &self.table,
             beats: &self.beats,
-            cell: film.as_ref().map(|film| &film.followed),
+            film: film.as_ref().map(|film| &film.followed),
+            picture: self.shape().filter(|cell| is_picture(cell)),
             threads: self.threads,
             files,
             observer,
@@ -201,6 +202,10 @@ impl FitCell {
         let Input { name, run, shaped, .. } = read;
         Ok((name, run, shaped))
     }
+}
+
+fn is_picture(path: &Path) -> bool {
+    PICTURE_ENDINGS.contains(&input::ending(path).as_str())
 }
 
 /// The setting of the cell model.

@@ -23,6 +23,7 @@ mod beats;
 mod course;
 mod force;
 mod metrics;
+mod seen;
 mod spline;
 
 use super::answer::{Estimate, Fit, FittedCurve, Verdict};
@@ -31,10 +32,9 @@ use super::fitter::{Fitter, Loaded};
 use super::inverse::Inverse;
 use super::likelihood::rise_at_ends;
 use super::misfit::Misfit;
-use super::observed::{AT_REST, Observed, Scale, Stimuli};
+use super::observed::Stimuli;
 use super::repeat::WRITTEN;
 use super::words;
-use crate::analysis::kind::Kind;
 use crate::analysis::monotone::MonotoneCubic;
 use crate::cell::CellModel as _;
 use crate::cell::given_tension::{GivenTension, TensionClock, TensionCourse};
@@ -45,25 +45,18 @@ use crate::mechanics::support::SupportKind;
 use crate::settings::{Calibration, Run};
 use crate::simulation::equilibria::TensionResponse;
 use crate::simulation::{Simulation, StretchFelt};
-use baseline::Baseline;
-use beats::analysis;
 use course::NORMAL;
 pub use course::{FILE, MeanBeat, OwnTension, TensionMetric};
 use force::Forces;
+use seen::Seen;
 use spline::Spline;
 use std::sync::Arc;
 
 /// Tables are solved for more than the largest shortening that is seen, by this factor.
 const MARGIN: f64 = 1.2;
-/// Part of the frames at rest that noise takes below the band of no tension.
-const BY_CHANCE: f64 = 0.025;
-/// Times the noise that fits into the band that counts as rest, where that band shows all of it.
-const SMALL: f64 = 4.0;
 /// Degrees of freedom of the noise by the median of fourth differences, over the number of frames: 0.62 of their mean square
 /// (see `OF_VARIANCE` of `misfit`), times 0.37, the efficiency of a median.
 const OF_FREEDOM: f64 = 0.23;
-/// A cell is longer than at rest by chance up to this many standard deviations, in the worst of some hundred frames.
-const LONGER: f64 = 2.5;
 
 impl Fitter {
     /// Of a simulation whose own cell model does not matter: its tension is what curves ask for.
@@ -264,130 +257,12 @@ impl OwnTension {
     }
 }
 
-/// Standard deviation of the noise of a frame, from that which the whole curve shows: where it is small against the band
-/// that counts as rest, the frames within that band tell it without the bends of the beats.
-fn noise(observed: &Observed, whole: f64) -> f64 {
-    match observed.frames() {
-        Ok(frames) if SMALL * whole < AT_REST * frames.reach.abs() => frames.noise.min(whole),
-        _ => whole,
-    }
-}
-
 /// Half the width of a 95 % band in standard deviations of the noise, which was estimated from this number of frames.
 fn normal(frames: usize) -> f64 {
     rise_at_ends((OF_FREEDOM * frames as f64).max(2.0)).sqrt()
 }
 
-/// A curve as shortening, with its rest.
-struct Seen<'a> {
-    observed: &'a Observed,
-    /// All frames with a value, ms.
-    times: Vec<f64>,
-    values: Vec<f64>,
-    /// Whether each counts; the others are single bad frames.
-    used: Vec<bool>,
-    /// Standard deviation of the noise of a frame, in the curve's unit.
-    noise: f64,
-    baseline: Baseline,
-    /// Shortening of each frame, a part of the length at rest, and its standard deviation.
-    shortening: Vec<f64>,
-    deviation: Vec<f64>,
-    /// Frames that are longer than before their beat, and by how much the length without tension is above that before a
-    /// beat, a part of it: 0 where noise explains these frames.
-    longer: usize,
-    raised: f64,
-}
-
-impl<'a> Seen<'a> {
-    fn of(observed: &'a Observed) -> Result<Self, FitError> {
-        if observed.scale == Scale::Arbitrary {
-            return Err(FitError::NoHeight { name: observed.name.clone() });
-        }
-        let known = observed.times_ms.iter().zip(&observed.values);
-        let (times, values): (Vec<f64>, Vec<f64>) = known
-            .filter(|(_, value)| value.is_finite())
-            .map(|(time, value)| (*time, *value))
-            .unzip();
-        let sign = if observed.scale == Scale::Length { -1.0 } else { 1.0 };
-        let upwards: Vec<f64> = values.iter().map(|value| sign * value).collect();
-        let analysis = analysis(&times, &upwards, Kind::Contraction, &observed.stimuli)
-            .map_err(|cause| FitError::Curve { name: observed.name.clone(), cause })?;
-        let mut used = vec![true; times.len()];
-        for frame in &analysis.treatment.bad_frames {
-            used[frame - 1] = false;
-        }
-        for artefact in &analysis.treatment.artefacts {
-            used[artefact.frames[0] - 1..artefact.frames[1]].fill(false);
-        }
-        let range = upwards.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-            - upwards.iter().copied().fold(f64::INFINITY, f64::min);
-        let noise = noise(observed, analysis.treatment.noise).max(1e-12 * range);
-        let baseline = Baseline::of(&times, &values, &used, &analysis, noise)
-            .ok_or_else(|| FitError::NoBeat { name: observed.name.clone() })?;
-        let (mut shortening, mut deviation) = (Vec::new(), Vec::new());
-        for (time, value) in times.iter().zip(&values) {
-            let [rest, of_rest] = baseline.at(*time);
-            let both = noise.hypot(of_rest);
-            let (of, scale) = match observed.scale {
-                Scale::Length => (1.0 - value / rest, rest.abs()),
-                _ => ((value - rest) / 100.0, 100.0),
-            };
-            shortening.push(of);
-            deviation.push(both / scale);
-        }
-        let longer = (0..times.len()).filter(|&at| used[at] && shortening[at] < 0.0).count();
-        let (longer, raised) = (longer, 0.0);
-        let mut seen = Self {
-            observed,
-            times,
-            values,
-            used,
-            noise,
-            baseline,
-            shortening,
-            deviation,
-            longer,
-            raised,
-        };
-        seen.raise();
-        Ok(seen)
-    }
-
-    /// A cell that is longer than before its beat, more often than by chance, was not without tension then: no tension is
-    /// where it is longest, and all shortening counts from there.
-    fn raise(&mut self) {
-        let used: Vec<usize> = (0..self.times.len()).filter(|&at| self.used[at]).collect();
-        let below = |at: usize, by: f64| -self.shortening[at] - by * self.deviation[at];
-        let far = used.iter().filter(|&&at| below(at, NORMAL) > 0.0).count() as f64;
-        let chance = BY_CHANCE * used.len() as f64;
-        if far <= chance + 3.0 * chance.sqrt().max(1.0) {
-            return;
-        }
-        self.raised = used.iter().map(|&at| below(at, LONGER)).fold(0.0, f64::max);
-        for at in 0..self.times.len() {
-            self.shortening[at] = (self.shortening[at] + self.raised) / (1.0 + self.raised);
-            self.deviation[at] /= 1.0 + self.raised;
-        }
-    }
-
-    /// Relative standard deviation of the height of all beats by the noise of the frames, each of which counts.
-    fn noise_of_height(&self) -> f64 {
-        let used = || (0..self.times.len()).filter(|&at| self.used[at]);
-        let mean = used().map(|at| self.shortening[at]).sum::<f64>() / used().count() as f64;
-        let seen = used().map(|at| ((self.shortening[at] - mean) / self.deviation[at]).powi(2));
-        seen.sum::<f64>().sqrt().recip()
-    }
-
-    /// A shortening as the curve would show it.
-    fn value(&self, time: f64, shortening: f64) -> f64 {
-        let [rest, _] = self.baseline.at(time);
-        let shortening = shortening * (1.0 + self.raised) - self.raised;
-        match self.observed.scale {
-            Scale::Length => rest * (1.0 - shortening),
-            _ => rest + 100.0 * shortening,
-        }
-    }
-
+impl Seen<'_> {
     fn tension(
         &self,
         response: &dyn TensionResponse,

@@ -59,8 +59,9 @@ pub(super) struct ForceReader<'a> {
     pub(super) support: SupportKind,
     pub(super) options: &'a TableOptions,
     pub(super) beats: &'a BeatOptions,
-    /// The cell of the film to which it is fitted.
-    pub(super) cell: Option<&'a Arc<Followed>>,
+    /// The cell of the film to which it is fitted, and the picture of the cell.
+    pub(super) film: Option<&'a Arc<Followed>>,
+    pub(super) picture: Option<&'a Path>,
     pub(super) threads: Option<usize>,
     pub(super) files: &'a Files,
     pub(super) observer: &'a dyn Observer,
@@ -87,13 +88,24 @@ impl ForceReader<'_> {
         Ok(ReadForce { loaded, notes, tractions })
     }
 
-    /// The tractions of a film of beads, in the region of the cell if the film that is fitted shows the same window.
+    /// The tractions of a film of beads at the cell, which the film or the picture of the cell shows in the same window.
     fn follow(&self, path: &Path, gel: Gel) -> Result<FoundTractions, ExperimentError> {
         let beads = Beads { pixel_size_um: self.options.pixel_size_um, ..Beads::of(path) };
         let shown = open_film(path, &Selection::default(), 1, self.files)?.size();
-        let cell = self.cell.filter(|cell| cell.film.size() == shown);
+        let film = self.film.filter(|film| film.film.size() == shown);
+        let cell = film.map(|film| CellPlace::Followed(Arc::clone(film)));
+        let Some(cell) = cell.or_else(|| self.picture.map(CellPlace::of)) else {
+            let name = path.display();
+            return Err(ExperimentError::new(format!(
+                "--traction: it is not known where in `{name}` the cell is, so its force is not either"
+            ))
+            .advise(format!(
+                "fit a film or a picture of the cell in the same window; or `myospring traction {name} --cell OUTLINE`, then \
+                 --traction with its traction.csv"
+            )));
+        };
         let traction = Traction {
-            cell: cell.map(|cell| CellPlace::Followed(Arc::clone(cell))),
+            cell: Some(cell),
             frame_rate_per_s: self.options.frame_rate_per_s,
             threads: self.threads,
             ..Traction::of_beads(beads, gel)

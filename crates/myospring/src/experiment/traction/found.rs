@@ -276,7 +276,7 @@ impl Outcome for FoundTractions {
         if !self.is_confined {
             warnings.push(
                 "force, moment and energy are sums over the whole window and include false tractions at its edges; give a \
-                 region, a picture of the cell, to have those of the cell alone"
+                 film, a picture or outlines of the cell to have those of the cell alone"
                     .to_owned(),
             );
         }

@@ -8,7 +8,7 @@
 //! ```
 //! `sigma_a` has the residuals of the force, the error of its scale, and the noise of the shape.
 
-use super::Seen;
+use super::seen::Seen;
 use super::spline::Spline;
 use crate::analysis::monotone::MonotoneCubic;
 use crate::analysis::order;
