@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import myospring
+from myospring import _native
 
 
 def pulled(rows: int = 40, columns: int = 60) -> tuple[np.ndarray, np.ndarray]:
@@ -74,3 +75,17 @@ def test_what_does_not_go_together_is_refused():
         myospring.traction((u[0], v[0]), spacing_um=1.0, gel_modulus_kpa=10)
     with pytest.raises(ValueError, match="one picture"):
         myospring.traction(beads(u, v, 0.0), pixel_size_um=0.25, gel_modulus_kpa=10)
+
+
+def test_a_table_is_as_good_as_arrays_and_a_mask_says_where_the_cell_is(tmp_path):
+    u, v = pulled()
+    y, x = np.mgrid[:40, :60]
+    table = np.column_stack([4 * x.ravel(), 4 * y.ravel(), 4 * u.ravel(), 4 * v.ravel()])
+    np.savetxt(tmp_path / "piv.csv", table, delimiter=",", header="x,y,u,v", comments="")
+    middle = np.hypot(x - 30, y - 20) < 14
+    cell = tmp_path / "cell.tif"
+    cell.write_bytes(_native.tiff(255 * middle.astype(np.uint8)))
+    found = myospring.traction(tmp_path / "piv.csv", pixel_size_um=0.25, gel_modulus_kpa=10, cell=cell)
+    known = myospring.traction((u, v), spacing_um=1.0, gel_modulus_kpa=10, cell=cell)
+    assert found.numbers["confined_to_a_region"] is True
+    assert found.axial_force_nn[0] == pytest.approx(known.axial_force_nn[0], rel=1e-6)

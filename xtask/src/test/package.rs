@@ -33,8 +33,8 @@ impl Checks {
         install.arg("--force-reinstall").arg(wheel);
         self.step("the Python package: installed", install)?;
         let mut tests = within(python.module("pytest"));
-        // -rs: what is skipped is said, with the reason.
-        tests.args(["--quiet", "-rs", "-p", "no:cacheprovider"]);
+        // -rs: what is skipped is said, with the reason. Each file has one worker.
+        tests.args(["--quiet", "-rs", "-p", "no:cacheprovider", "-n", "2", "--dist", "loadfile"]);
         self.step("the Python package: pytest", tests)?;
         // From elsewhere, so that what is installed is looked at, and not its source.
         let elsewhere = |mut command: Command| {

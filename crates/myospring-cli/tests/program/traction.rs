@@ -224,7 +224,7 @@ fn options_and_files_that_do_not_go_together_are_refused() {
             &["u.npy", "u.npy", "--pixel-size", "1 um", "--channel", "1"],
             "--channel is for pictures",
         ),
-        (&["pulled.y4m", "--unit", "1 um"], "--unit is for arrays"),
+        (&["pulled.y4m", "--unit", "1 um"], "--unit is for displacements"),
         (&["pulled.y4m"], "is one picture"),
         (&["pulled.y4m", "--reference", "pulled.y4m"], "does not say how large its pixels are"),
         (&["pulled.y4m", "--reference", "none.tif", "--pixel-size", "0.5 um"], "none.tif"),

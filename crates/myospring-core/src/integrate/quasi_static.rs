@@ -31,6 +31,7 @@ mod equilibrium;
 mod error;
 mod factor;
 mod field;
+mod nearby;
 mod shapes;
 mod tied;
 mod tolerance;

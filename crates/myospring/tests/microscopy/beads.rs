@@ -150,7 +150,7 @@ impl Beside {
         let cell = FilmScene {
             pixel_um: 0.25,
             cell_um: [48.0, 14.0],
-            frames: 30,
+            frames: 20,
             beat: 14,
             shortening: 0.08,
             noise: 0.05,

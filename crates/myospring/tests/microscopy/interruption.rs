@@ -61,7 +61,7 @@ fn segmentation_asks_at_every_cell_and_ends_at_the_first_yes() {
         let (one, (bytes, nine)) = (questions(1).1, questions(3));
         // What follows evidence, parting and judging ask at each of eight more cells.
         assert!(nine >= one + 3 * 8, "{one} questions of one cell, {nine} of nine");
-        for first in (0..nine).step_by(nine / 5) {
+        for first in (0..nine).step_by(nine / 3) {
             let (interruption, asked) = from(first);
             let error = find(&bytes, interruption).unwrap_err();
             assert!(is_interrupted(&error), "at question {first} of {nine}: {error}");

@@ -12,7 +12,7 @@
 //! removes). A body that outer forces hold, such as an elastic bed, needs none of this.
 
 use super::factor::{Factor, FactorError};
-use super::tied;
+use super::{nearby, tied};
 use crate::interruption::Interruption;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
@@ -49,6 +49,8 @@ const ITERATIONS: usize = 25;
 /// which others follow, and for what is kept.
 const INEXACT: f64 = 1e-5;
 const EXACT: f64 = 1e-10;
+/// The same with a stiffness near one whose factor is known, for a correction: Newton's method leaves more of it.
+const NEARLY: f64 = 1e-3;
 
 /// Largest number of rounds of removing the rotation with three axes; a few are enough.
 const TURNS: usize = 50;
@@ -72,6 +74,8 @@ pub(super) struct Solver<'a, const D: usize = 2> {
     still: Vectors<D>,
     factor: Factor<'a, D>,
     stiffness: StiffnessMatrix<D>,
+    /// Whether the factor is that of the stiffness, not of one nearby.
+    is_factor: bool,
     /// Matrices factorised so far.
     pub(super) factorisations: usize,
     /// Checked within each factorisation.
@@ -105,6 +109,7 @@ impl<'a, const D: usize> Solver<'a, D> {
             still: zeros(count),
             factor: Factor::new(&body.positions, free),
             stiffness: StiffnessMatrix::new(count),
+            is_factor: false,
             factorisations: 0,
             interruption: interruption.clone(),
         }
@@ -149,31 +154,63 @@ impl<'a, const D: usize> Solver<'a, D> {
         load
     }
 
+    /// Computes the stiffness and its factor.
     pub(super) fn factorise(
         &mut self,
         positions: &Vectors<D>,
         tension: Tension<'_>,
     ) -> Result<(), Failure> {
+        self.assemble(positions, tension);
+        self.renew()
+    }
+
+    /// Computes the stiffness; a factor that is costly stays that of the last one.
+    fn approach(&mut self, positions: &Vectors<D>, tension: Tension<'_>) -> Result<(), Failure> {
+        self.assemble(positions, tension);
+        if self.factor.is_costly() && self.system.compliance().is_none() {
+            self.is_factor = false;
+            return Ok(());
+        }
+        self.renew()
+    }
+
+    fn assemble(&mut self, positions: &Vectors<D>, tension: Tension<'_>) {
         self.stiffness.clear();
         let at = Configuration { positions, velocities: &self.still, tension };
         for force in self.system.passive.iter().chain(&self.system.active) {
             force.add_stiffness(&at, &mut self.stiffness);
         }
+    }
+
+    /// Computes the factor of the stiffness.
+    fn renew(&mut self) -> Result<(), Failure> {
         self.factorisations += 1;
+        self.is_factor = true;
         Ok(self.factor.factorise(&self.stiffness, &self.interruption)?)
     }
 
-    /// Displacements (um) under forces (nN), with the last factorised stiffness.
+    /// Displacements (um) under forces (nN), with the last factor.
     pub(super) fn response(&mut self, forces: &Vectors<D>) -> Vectors<D> {
-        self.respond(forces, EXACT)
+        self.by_factor(forces, EXACT)
     }
 
-    /// As [`Solver::response`], up to a part of the forces on what the body is tied to.
-    fn respond(&mut self, forces: &Vectors<D>, tolerance: f64) -> Vectors<D> {
+    fn by_factor(&mut self, forces: &Vectors<D>, tolerance: f64) -> Vectors<D> {
         match self.system.compliance() {
             Some(other) => tied::solve(&mut self.factor, other, forces, tolerance),
             None => self.factor.solve(forces),
         }
+    }
+
+    /// A correction (um) under forces (nN), with the last stiffness.
+    fn correct(&mut self, forces: &Vectors<D>) -> Result<Vectors<D>, Failure> {
+        if !self.is_factor {
+            let moved = nearby::solve(&mut self.factor, &self.stiffness, forces, NEARLY);
+            if let Some(moved) = moved {
+                return Ok(moved);
+            }
+            self.renew()?;
+        }
+        Ok(self.by_factor(forces, INEXACT))
     }
 
     /// The equilibrium under a uniform tension (kPa) near a guess, with its slope; corrections below
@@ -185,7 +222,7 @@ impl<'a, const D: usize> Solver<'a, D> {
         tolerance: f64,
     ) -> Result<Rest<D>, Failure> {
         let (positions, corrections) = self.settle(guess, tension.into(), tolerance, false)?;
-        Ok(self.at_rest(positions, tension, corrections))
+        self.at_rest(positions, tension, corrections)
     }
 
     /// As [`Solver::find`] without tension, where loads from outside may be far from a guess: a step to where the stiffness is
@@ -196,7 +233,7 @@ impl<'a, const D: usize> Solver<'a, D> {
         tolerance: f64,
     ) -> Result<Rest<D>, Failure> {
         let (positions, corrections) = self.settle(guess, 0.0.into(), tolerance, true)?;
-        Ok(self.at_rest(positions, 0.0, corrections))
+        self.at_rest(positions, 0.0, corrections)
     }
 
     /// Moves the body to the equilibrium under any tension near a guess; returns the largest
@@ -229,9 +266,12 @@ impl<'a, const D: usize> Solver<'a, D> {
         // The last step: from where, in which direction, and how far.
         let mut last: Option<(Vectors<D>, Vectors<D>, f64)> = None;
         let mut energy = self.energy(&positions, tension);
+        if !energy[0].is_finite() {
+            return Err(Failure::Indefinite);
+        }
         for _ in 0..ITERATIONS {
             let forces = self.forces(&positions, tension);
-            match (self.factorise(&positions, tension), &mut last) {
+            match (self.approach(&positions, tension), &mut last) {
                 (Err(Failure::Indefinite), Some((from, direction, part))) if shortens => {
                     *part *= 0.5;
                     positions = moved(from, direction, *part);
@@ -240,7 +280,7 @@ impl<'a, const D: usize> Solver<'a, D> {
                 }
                 (factorised, _) => factorised?,
             }
-            let correction = self.respond(&forces, INEXACT);
+            let correction = self.correct(&forces)?;
             let largest = largest(&correction);
             if !largest.is_finite() {
                 return Err(Failure::NoRest);
@@ -296,7 +336,7 @@ impl<'a, const D: usize> Solver<'a, D> {
             for axis in &mut mode {
                 axis.iter_mut().zip(&self.body.masses).for_each(|(x, mass)| *x *= mass);
             }
-            mode = self.respond(&mode, INEXACT);
+            mode = self.by_factor(&mode, INEXACT);
             if adrift(self.system) && !matches!(self.system.support, Support::Clamped(_)) {
                 mode = self.in_place(positions.clone(), mode).1;
             }
@@ -307,10 +347,18 @@ impl<'a, const D: usize> Solver<'a, D> {
         (0..count).max_by(|&a, &b| square(a).total_cmp(&square(b)))
     }
 
-    /// Removes rigid motion and computes the slope, from the last factor.
-    fn at_rest(&mut self, positions: Vectors<D>, tension: f64, corrections: Vec<f64>) -> Rest<D> {
+    /// Removes rigid motion and computes the slope, from the last stiffness, whose factor shows that it is positive definite.
+    fn at_rest(
+        &mut self,
+        positions: Vectors<D>,
+        tension: f64,
+        corrections: Vec<f64>,
+    ) -> Result<Rest<D>, Failure> {
         let load = self.load(&positions, tension);
         // 0 = d f/d Ta = load - K dx/dTa
+        if !self.is_factor {
+            self.renew()?;
+        }
         let slope = self.response(&load);
         let compliance = product(&slope, &load);
         let (positions, slope) = match self.system.support {
@@ -319,7 +367,7 @@ impl<'a, const D: usize> Solver<'a, D> {
             }
             _ => (positions, slope),
         };
-        Rest { positions, slope, corrections, compliance }
+        Ok(Rest { positions, slope, corrections, compliance })
     }
 
     /// Removes translation and rotation relative to the start from positions and from their slope.

@@ -3,8 +3,9 @@
 //! The nodes are eliminated in the order of a nested dissection ([`dissection`]), set by set in
 //! dense matrices ([`fronts`], [`dense`]). Order and pattern are determined once and reused as long
 //! as the same nodes interact. Held coordinates are included with a stiffness of 1, so that all
-//! blocks are D x D. It uses one thread and a fixed order of summation, so results are bitwise the
-//! same on every machine.
+//! blocks are D x D. The halves of a large set are eliminated by two threads, since neither needs the
+//! other. Every sum has a fixed order, so results are bitwise the same on every machine, whatever the
+//! number of threads.
 
 mod dense;
 mod dissection;
@@ -19,6 +20,7 @@ use crate::mechanics::stiffness::StiffnessMatrix;
 use dense::Eliminate;
 use dissection::{Graph, dissect};
 use fronts::{Front, Fronts};
+use std::ops::Range;
 
 /// A factor that is recomputed for each stiffness.
 pub(super) struct Factor<'a, const D: usize = 2> {
@@ -31,9 +33,114 @@ pub(super) struct Factor<'a, const D: usize = 2> {
     fronts: Option<Fronts<D>>,
     /// Columns of the factor, front by front.
     entries: Vec<f64>,
+    room: Room,
+}
+
+/// Halves with less work than this, in products, are not worth a second thread.
+const WORTH_A_THREAD: f64 = 1e7;
+
+/// A factor is costly from this many products for each of its entries on. One more then takes as long as some fifteen uses of the last
+/// one, since elimination is bound by the processor and use by memory.
+const COSTLY: f64 = 500.0;
+
+/// Memory of one thread.
+#[derive(Default)]
+struct Room {
     /// Updates that wait for the front above theirs.
     stacks: [Vec<f64>; 2],
     packed: [Vec<f64>; 2],
+    /// That of the thread which eliminates the second half.
+    beside: Option<Box<Self>>,
+}
+
+impl Room {
+    fn clear(&mut self) {
+        self.stacks.iter_mut().for_each(Vec::clear);
+        if let Some(beside) = &mut self.beside {
+            beside.clear();
+        }
+    }
+}
+
+/// Makes place for an update.
+fn push(stack: &mut Vec<f64>, size: usize) -> Result<&mut [f64], FactorError> {
+    let start = stack.len();
+    stack.try_reserve(size).map_err(|_| FactorError::TooLarge)?;
+    stack.resize(start + size, 0.0);
+    Ok(&mut stack[start..])
+}
+
+/// Hands up the update of a half and takes it from the stack, where it lies on top.
+fn pop<const D: usize>(
+    stack: &mut Vec<f64>,
+    half: &Front<D>,
+    front: &Front<D>,
+    panel: &mut [f64],
+    rest: &mut [f64],
+) {
+    let start = stack.len() - half.update_size();
+    half.hand_up(&stack[start..], front, panel, rest);
+    stack.truncate(start);
+}
+
+/// The elimination of a matrix.
+struct Elimination<'a, const D: usize> {
+    stiffness: &'a StiffnessMatrix<D>,
+    free: &'a [Vec<bool>; D],
+    fronts: &'a Fronts<D>,
+    interruption: &'a Interruption,
+}
+
+impl<const D: usize> Elimination<'_, D> {
+    /// Eliminates a front and all below it, and pushes its update on the stack. `entries` are those of these fronts; the first of them is
+    /// number `first` of the factor.
+    fn subtree(
+        &self,
+        front: &Front<D>,
+        (first, entries): (usize, &mut [f64]),
+        room: &mut Room,
+    ) -> Result<(), FactorError> {
+        let [one, other] = front.halves.map(|half| half.map(|half| &self.fronts.list[half]));
+        let end = |half: Option<&Front<D>>, start| half.map_or(start, |half| half.entries.end);
+        let middle = end(one, first);
+        let last = end(other, middle);
+        let (below, panel) = entries.split_at_mut(last - first);
+        let (left, right) = below.split_at_mut(middle - first);
+        let apart = match (one, other) {
+            (Some(one), Some(other)) if one.work.min(other.work) > WORTH_A_THREAD => {
+                let mut beside = room.beside.take().unwrap_or_default();
+                let (a, b) = rayon::join(
+                    || self.subtree(one, (first, left), room),
+                    || self.subtree(other, (middle, right), &mut beside),
+                );
+                room.beside = Some(beside);
+                a.and(b)?;
+                true
+            }
+            _ => {
+                one.map_or(Ok(()), |one| self.subtree(one, (first, left), room))?;
+                other.map_or(Ok(()), |other| self.subtree(other, (middle, right), room))?;
+                false
+            }
+        };
+        front.fill(panel, self.stiffness, &self.fronts.order, self.free);
+        let Room { stacks: [even, odd], packed, beside } = room;
+        let (stack, halves) = if front.stack == 0 { (even, odd) } else { (odd, even) };
+        let rest = push(stack, front.update_size())?;
+        if let Some(other) = other {
+            let stack = match beside {
+                Some(beside) if apart => &mut beside.stacks[1 - front.stack],
+                _ => &mut *halves,
+            };
+            pop(stack, other, front, panel, rest);
+        }
+        if let Some(one) = one {
+            pop(halves, one, front, panel, rest);
+        }
+        let [rows, columns] = front.size();
+        let interruption = self.interruption;
+        pulp::Arch::new().dispatch(Eliminate { panel, rows, columns, rest, packed, interruption })
+    }
 }
 
 impl<'a, const D: usize> Factor<'a, D> {
@@ -46,8 +153,7 @@ impl<'a, const D: usize> Factor<'a, D> {
             blocks: 0,
             fronts: None,
             entries: Vec::new(),
-            stacks: Default::default(),
-            packed: Default::default(),
+            room: Room::default(),
         }
     }
 
@@ -62,12 +168,31 @@ impl<'a, const D: usize> Factor<'a, D> {
             _ => self.find_fronts(stiffness, interruption)?,
         };
         self.blocks = stiffness.blocks();
-        self.stacks.iter_mut().for_each(Vec::clear);
-        let mut fronts_in_order = fronts.list.iter();
-        let done = fronts_in_order
-            .try_for_each(|front| self.eliminate(stiffness, &fronts, front, interruption));
+        self.room.clear();
+        let Self { free, entries, room, .. } = self;
+        let elimination = Elimination { stiffness, free, fronts: &fronts, interruption };
+        let done = match fronts.list.last() {
+            Some(root) => elimination.subtree(root, (0, entries), room),
+            None => Ok(()),
+        };
         self.fronts = Some(fronts);
         done
+    }
+
+    /// Whether a new factor costs much more than some uses of the last one.
+    pub(super) fn is_costly(&self) -> bool {
+        let root = self.fronts.as_ref().and_then(|fronts| fronts.list.last());
+        root.is_some_and(|root| root.work > COSTLY * self.entries.len() as f64)
+    }
+
+    /// Sets held coordinates to 0.
+    pub(super) fn hold(&self, vectors: &mut Vectors<D>) {
+        for (axis, free) in vectors.iter_mut().zip(&self.free) {
+            axis.iter_mut()
+                .zip(free)
+                .filter(|(_, free)| !**free)
+                .for_each(|(value, _)| *value = 0.0);
+        }
     }
 
     fn find_fronts(
@@ -88,35 +213,10 @@ impl<'a, const D: usize> Factor<'a, D> {
         };
         reserve(&mut self.entries, fronts.entries)?;
         self.entries.resize(fronts.entries, 0.0);
-        for (stack, size) in self.stacks.iter_mut().zip(fronts.stacks) {
+        for (stack, size) in self.room.stacks.iter_mut().zip(fronts.stacks) {
             reserve(stack, size)?;
         }
         Ok(fronts)
-    }
-
-    /// Eliminates a front and pushes its update on the stack.
-    fn eliminate(
-        &mut self,
-        stiffness: &StiffnessMatrix<D>,
-        fronts: &Fronts<D>,
-        front: &Front<D>,
-        interruption: &Interruption,
-    ) -> Result<(), FactorError> {
-        let panel = &mut self.entries[front.entries.clone()];
-        front.fill(panel, stiffness, &fronts.order, &self.free);
-        let [even, odd] = &mut self.stacks;
-        let (stack, halves) = if front.stack == 0 { (even, odd) } else { (odd, even) };
-        let start = stack.len();
-        stack.resize(start + front.update_size(), 0.0);
-        let rest = &mut stack[start..];
-        for half in front.halves.iter().rev().flatten().map(|&half| &fronts.list[half]) {
-            let start = halves.len() - half.update_size();
-            half.hand_up(&halves[start..], front, panel, rest);
-            halves.truncate(start);
-        }
-        let [rows, columns] = front.size();
-        let packed = &mut self.packed;
-        pulp::Arch::new().dispatch(Eliminate { panel, rows, columns, rest, packed, interruption })
     }
 
     /// Displacements (um) under forces (nN) on the free coordinates; held ones do not move.
@@ -124,7 +224,7 @@ impl<'a, const D: usize> Factor<'a, D> {
     /// Uses the last factorised stiffness.
     pub(super) fn solve(&mut self, forces: &Vectors<D>) -> Vectors<D> {
         let mut moved = forces.each_ref().map(|axis| vec![0.0; axis.len()]);
-        let Some(Fronts { order, list: fronts, .. }) = &self.fronts else { return moved };
+        let Some(Fronts { order, list, .. }) = &self.fronts else { return moved };
         let mut right = vec![0.0; D * order.len()];
         for (place, &node) in order.iter().enumerate() {
             for axis in 0..D {
@@ -133,41 +233,11 @@ impl<'a, const D: usize> Factor<'a, D> {
                 }
             }
         }
-        let mut border = Vec::new();
-        for front in fronts {
-            let [rows, columns] = front.size();
-            border.clear();
-            border.resize(rows - columns, 0.0);
-            let own = &mut right[D * front.own.start..D * front.own.end];
-            for column in 0..columns {
-                let entries = &self.entries[front.entries.start + column * rows..][..rows];
-                let value = own[column] / entries[column];
-                own[column] = value;
-                let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
-                for (sum, entry) in own[column + 1..].iter_mut().zip(inner) {
-                    *sum -= value * entry;
-                }
-                for (sum, entry) in border.iter_mut().zip(outer) {
-                    *sum += value * entry;
-                }
-            }
-            for (parts, &place) in border.chunks_exact(D).zip(&front.border) {
-                for (axis, part) in parts.iter().enumerate() {
-                    right[D * place + axis] -= part;
-                }
-            }
-        }
-        for front in fronts.iter().rev() {
-            let [rows, columns] = front.size();
-            border.clear();
-            border.extend(front.border.iter().flat_map(|&at| &right[D * at..D * (at + 1)]));
-            let own = &mut right[D * front.own.start..D * front.own.end];
-            for column in (0..columns).rev() {
-                let entries = &self.entries[front.entries.start + column * rows..][..rows];
-                let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
-                let sum = dot(inner, &own[column + 1..]) + dot(outer, &border);
-                own[column] = (own[column] - sum) / entries[column];
-            }
+        let substitution =
+            Substitution { fronts: list, entries: &self.entries, apart: self.is_costly() };
+        if let Some(root) = list.len().checked_sub(1) {
+            substitution.forward(root, &mut right);
+            substitution.backward(root, &mut right);
         }
         for (place, &node) in order.iter().enumerate() {
             for axis in 0..D {
@@ -177,6 +247,105 @@ impl<'a, const D: usize> Factor<'a, D> {
             }
         }
         moved
+    }
+}
+
+/// The use of a factor: what each front does to the right side, from below and then from above.
+struct Substitution<'a, const D: usize> {
+    fronts: &'a [Front<D>],
+    entries: &'a [f64],
+    /// Whether halves of large sets are left to two threads.
+    apart: bool,
+}
+
+impl<const D: usize> Substitution<'_, D> {
+    /// Both halves of a front, if they are worth two threads.
+    fn halves(&self, front: &Front<D>) -> Option<[usize; 2]> {
+        let [Some(one), Some(other)] = front.halves else { return None };
+        let least = self.fronts[one].work.min(self.fronts[other].work);
+        (self.apart && least > WORTH_A_THREAD).then_some([one, other])
+    }
+
+    /// The coordinates of a front and of all below it.
+    fn coordinates(&self, front: usize) -> Range<usize> {
+        let first = &self.fronts[self.fronts[front].first];
+        D * first.own.start..D * self.fronts[front].own.end
+    }
+
+    /// A front and all below it, from the first.
+    fn forward(&self, at: usize, right: &mut [f64]) {
+        let front = &self.fronts[at];
+        let mut border = Vec::new();
+        let Some([one, other]) = self.halves(front) else {
+            for front in &self.fronts[front.first..=at] {
+                self.eliminate(front, right, &mut border);
+            }
+            return;
+        };
+        // What the second half takes from the fronts above is added later.
+        let own = self.coordinates(other);
+        let mut beside = vec![0.0; right.len()];
+        beside[own.clone()].copy_from_slice(&right[own.clone()]);
+        rayon::join(|| self.forward(one, right), || self.forward(other, &mut beside));
+        right[own.clone()].copy_from_slice(&beside[own.clone()]);
+        for (value, taken) in right[own.end..].iter_mut().zip(&beside[own.end..]) {
+            *value += taken;
+        }
+        self.eliminate(front, right, &mut border);
+    }
+
+    fn eliminate(&self, front: &Front<D>, right: &mut [f64], border: &mut Vec<f64>) {
+        let [rows, columns] = front.size();
+        border.clear();
+        border.resize(rows - columns, 0.0);
+        let own = &mut right[D * front.own.start..D * front.own.end];
+        for column in 0..columns {
+            let entries = &self.entries[front.entries.start + column * rows..][..rows];
+            let value = own[column] / entries[column];
+            own[column] = value;
+            let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
+            for (sum, entry) in own[column + 1..].iter_mut().zip(inner) {
+                *sum -= value * entry;
+            }
+            for (sum, entry) in border.iter_mut().zip(outer) {
+                *sum += value * entry;
+            }
+        }
+        for (parts, &place) in border.chunks_exact(D).zip(&front.border) {
+            for (axis, part) in parts.iter().enumerate() {
+                right[D * place + axis] -= part;
+            }
+        }
+    }
+
+    /// A front and all below it, from the last.
+    fn backward(&self, at: usize, right: &mut [f64]) {
+        let front = &self.fronts[at];
+        let mut border = Vec::new();
+        let Some([one, other]) = self.halves(front) else {
+            for front in self.fronts[front.first..=at].iter().rev() {
+                self.put_back(front, right, &mut border);
+            }
+            return;
+        };
+        self.put_back(front, right, &mut border);
+        let own = self.coordinates(other);
+        let mut beside = right.to_vec();
+        rayon::join(|| self.backward(one, right), || self.backward(other, &mut beside));
+        right[own.clone()].copy_from_slice(&beside[own]);
+    }
+
+    fn put_back(&self, front: &Front<D>, right: &mut [f64], border: &mut Vec<f64>) {
+        let [rows, columns] = front.size();
+        border.clear();
+        border.extend(front.border.iter().flat_map(|&at| &right[D * at..D * (at + 1)]));
+        let own = &mut right[D * front.own.start..D * front.own.end];
+        for column in (0..columns).rev() {
+            let entries = &self.entries[front.entries.start + column * rows..][..rows];
+            let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
+            let sum = dot(inner, &own[column + 1..]) + dot(outer, border);
+            own[column] = (own[column] - sum) / entries[column];
+        }
     }
 }
 

@@ -42,6 +42,10 @@ pub(super) struct Front<const D: usize> {
     pub(super) entries: Range<usize>,
     /// On which of two stacks its update lies; the updates of its halves lie on the other.
     pub(super) stack: usize,
+    /// The first of the fronts below it, which come one after the other, or itself.
+    pub(super) first: usize,
+    /// Products that its elimination and that of all below it take.
+    pub(super) work: f64,
     placements: Vec<Placement>,
     /// Positions of the border in the front above.
     runs: Vec<Run>,
@@ -169,8 +173,18 @@ impl<const D: usize> Fronts<D> {
                 entries: 0..0,
                 placements: Vec::new(),
                 stack: part.depth % 2,
+                first: part
+                    .halves
+                    .into_iter()
+                    .flatten()
+                    .map(|half| fronts[half].first)
+                    .min()
+                    .unwrap_or(number),
+                work: 0.0,
             };
             let [rows, columns] = front.size();
+            let below = front.halves.iter().flatten().map(|&half| fronts[half].work);
+            front.work = (rows as f64).powi(2) * columns as f64 + below.sum::<f64>();
             let end = rows.checked_mul(columns).and_then(|size| entries.checked_add(size));
             front.entries = entries..end.ok_or(FactorError::TooLarge)?;
             entries = front.entries.end;
