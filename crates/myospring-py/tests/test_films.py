@@ -127,7 +127,7 @@ def test_what_is_no_film_or_no_setting_of_one_is_refused(film, tmp_path):
         myospring.tension_map(tmp_path / "none.avi")
     with pytest.raises(ValueError, match="frame_rate_per_s=30"):
         myospring.tension_map(film, pixel_size_um=0.25)
-    with pytest.raises(ValueError, match="leave curve, cell, loaded, traction and recorded_calcium out"):
+    with pytest.raises(ValueError, match="leave curve, cell, loaded and recorded_calcium out"):
         myospring.fit(film, film=film)
     with pytest.raises(ValueError, match="nothing to fit to"):
         myospring.fit()

@@ -40,7 +40,7 @@ export interface Displaced {
   /** A picture of the relaxed gel. */
   reference: string | null;
   /** A picture or outlines of the cell. */
-  region: string | null;
+  cell: string | null;
 }
 
 /** A table of the force of the same cell on a gel. */
