@@ -556,11 +556,15 @@ def fit(
     return found
 
 
-def _by_modulus(traction: Curve | Mapping[float, Curve] | None) -> Mapping[float | None, Curve]:
+def _by_modulus(traction: Curve | Mapping[float, Curve] | None) -> dict[float | None, Curve]:
     """Returns curves by Young's modulus of their gel, kPa; None: the gel of the settings."""
-    if traction is None:
-        return {}
-    return dict(traction) if isinstance(traction, Mapping) else {None: traction}
+    found: dict[float | None, Curve] = {}
+    if isinstance(traction, Mapping):
+        for modulus, force in traction.items():
+            found[modulus] = force
+    elif traction is not None:
+        found[None] = traction
+    return found
 
 
 def _of_beads(

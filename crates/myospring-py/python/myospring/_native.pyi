@@ -27,6 +27,7 @@ __all__ = [
     "read_curves",
     "read_calcium",
     "fit_film",
+    "is_film",
     "tension_map",
     "simulate_batch",
     "analyse",
