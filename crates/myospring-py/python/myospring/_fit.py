@@ -6,7 +6,6 @@ import html
 import json
 import os
 import tempfile
-import warnings
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from os import PathLike
@@ -27,7 +26,6 @@ from myospring._progress import Progress, heard
 from myospring._reading import Curve, Read, Reading
 from myospring._settings import PictureSettings, given_of_beat, given_of_picture
 from myospring._tension_map import TensionMap
-from myospring._traction import traction as traction_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -434,8 +432,9 @@ def fit(
     loaded : mapping or None
         Curves of the same cell between two springs, such as carbon fibres, by the stiffness of each spring, nN/um.
     traction : path, times and values, mapping, or None
-        Force of the same cell on a gel, which gives tension and stiffness in kPa: a table (``traction.csv``), a film of the beads in
-        the gel, or times in ms and the sum of the absolute forces in nN. It was measured on the gel of the settings (``support="gel"``); a mapping gives
+        Force of the same cell on a gel, which gives tension and stiffness in kPa: a table (``traction.csv``), or times in
+        ms and the sum of the absolute forces in nN; with `film` also a film of the beads in the gel, in the same window. It was
+        measured on the gel of the settings (``support="gel"``); a mapping gives
         curves by Young's modulus of their gel, kPa.
     traction_error : float
         Relative standard deviation of the scale of these forces, apart from noise. That of the gel's modulus does not count, since it
@@ -540,10 +539,11 @@ def fit(
     for modulus, force in _by_modulus(traction).items():
         own = replace(reading, columns=(), kind="force", unit="nN", mean=False)
         if isinstance(force, (str, PathLike)) and _native.is_film(os.fspath(force)):
-            pulled, more = _of_beads(force, modulus, given, reading, pixel_size_um)
-            forces.append((modulus, own.curves(pulled, "axial_force_nN")[0]))
-            notes += more
-            continue
+            name = os.fspath(force)
+            raise ValueError(
+                f"it is not known where in {name} the cell is, so its force is not either; give film= in the same window, or the "
+                f"traction.csv that myospring.traction({name!r}, cell=...).save(...) writes"
+            )
         own = replace(own, kind=None, unit=None) if isinstance(force, (str, PathLike)) else own
         forces.append((modulus, own.curves(force, "traction")[0]))
     cell = cell_of(cell)
@@ -565,21 +565,6 @@ def _by_modulus(traction: Curve | Mapping[float, Curve] | None) -> dict[float | 
     elif traction is not None:
         found[None] = traction
     return found
-
-
-def _of_beads(
-    film: str | PathLike[str], modulus: float | None, given: dict[str, Any], reading: Reading, pixel_size_um: float | None
-) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], list[str]]:
-    """Returns times, ms, and the axial force, nN, of a film of beads, and what was odd."""
-    kpa = given.get("mechanics.gel_modulus") if modulus is None else modulus
-    if kpa is None:
-        raise ValueError("a film of beads needs Young's modulus of its gel; give a mapping, like {10.0: film}")
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        found = traction_of(
-            film, gel_modulus_kpa=float(kpa), pixel_size_um=pixel_size_um, frame_rate_per_s=reading.frame_rate_per_s
-        )
-    return (found.t_ms, found.axial_force_nn), [f"{os.fspath(film)}: {one.message}" for one in said]
 
 
 def _calcium(
