@@ -49,7 +49,7 @@ export async function opened(options, work) {
 
 /** Waits until a number of results was shown. @param {Page} page @param {number} runs */
 export async function ran(page, runs) {
-  await page.waitForFunction((least) => Number(document.body.dataset.runs ?? 0) >= least, runs, { timeout: 60_000 });
+  await page.waitForFunction((least) => Number(document.body.dataset.runs ?? 0) >= least, runs, { timeout: 240_000 });
 }
 
 /** Results shown so far. @param {Page} page */
