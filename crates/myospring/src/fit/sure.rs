@@ -79,7 +79,7 @@ impl Sure {
     }
 }
 
-/// By how much a misfit, of which so many frames count as one, raises the variance that intervals use.
+/// The factor by which a misfit raises the variance that intervals use; `together` frames count as one.
 pub(super) fn widened(together: f64) -> f64 {
     if together > 1.0 { together * TAKEN_UP.powi(2) } else { 1.0 }
 }

@@ -66,7 +66,8 @@ impl Columns {
 
 fn fields(line: &str) -> Vec<&str> {
     let parted = |mark: char| line.split(mark).map(str::trim).collect();
-    match [',', ';', '\t'].into_iter().find(|mark| line.contains(*mark)) {
+    // A decimal comma parts no fields.
+    match [';', '\t', ','].into_iter().find(|mark| line.contains(*mark)) {
         Some(mark) => parted(mark),
         None => line.split_whitespace().collect(),
     }
@@ -97,7 +98,8 @@ fn rows(
         let fields = fields(text);
         let number = |column: usize| -> Result<f64, ExperimentError> {
             let field = fields.get(column).copied().unwrap_or_default();
-            let number = field.parse::<f64>().ok().filter(|number| number.is_finite());
+            let number =
+                field.replace(',', ".").parse::<f64>().ok().filter(|number| number.is_finite());
             number.ok_or_else(|| {
                 failed(format!("line {line}: `{field}` in column {} is no number", column + 1))
                     .advise("fill missing displacements, for example from their neighbours")
@@ -239,6 +241,8 @@ mod tests {
             let [u, v] = &surface.displacements;
             assert!((u[0] - 0.4).abs() < 1e-12 && (v[0] + 0.5 * 0.05 * 120.0).abs() < 1e-12);
         }
+        let decimal_commas = table("x;y;u;v", ";").replace('.', ",");
+        assert_eq!(found(decimal_commas, Some(0.5)).unwrap().surfaces[0].shape, [9, 8]);
         let read = found(table("x_um,y_um,u_um,v_um", ","), None).unwrap();
         assert!((read.surfaces[0].spacing - 16.0).abs() < 1e-12);
     }
