@@ -120,6 +120,8 @@ fn draw(path: &std::path::Path) {
         quantity: quantity.to_owned(),
         limits,
         doubts: None,
+        hatched: figure::NOT_KNOWN,
+        dots: None,
     };
     let tension = Some([0.0, 45.0]);
     let maps = [

@@ -28,6 +28,7 @@ pub mod row;
 pub mod sarcomeres;
 pub mod thick;
 pub mod time_order;
+pub mod tissue;
 pub mod tor_ord;
 pub mod viscosity;
 pub mod wave;
@@ -52,6 +53,7 @@ pub fn checks() -> Vec<Check> {
         Check { name: "loads", run: loads::rows },
         Check { name: "gel", run: gel::rows },
         Check { name: "thick", run: thick::rows },
+        Check { name: "tissue", run: tissue::rows },
         Check { name: "viscosity", run: viscosity::rows },
         Check { name: "parts", run: parts::rows },
         Check { name: "finite-elements", run: finite_elements::rows },

@@ -21,7 +21,8 @@ Developer commands of Myospring.
 Usage: cargo xtask COMMAND
 
 Commands:
-  test         Format, lints, tests, documentation, licences and the example run files: all that must pass
+  test         Format, lints, tests, documentation, licences and the example run files: all that must pass;
+               `--quick` leaves out what is slow
   verify       Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
   bench        Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
   web          Build the page: one HTML file with the engine inside, target/web/myospring.html
@@ -34,7 +35,7 @@ Commands:
 fn main() -> ExitCode {
     let command = std::env::args().nth(1);
     let result = match command.as_deref() {
-        Some("test") => test::run(),
+        Some("test") => test::run(&std::env::args().skip(2).collect::<Vec<_>>()),
         Some("verify") => verify::run(std::env::args().skip(2).collect()),
         Some("bench") => bench::run(std::env::args().skip(2).collect()),
         Some("web") => web::run(),

@@ -1,4 +1,4 @@
-//! `cargo xtask test`: everything that must hold on every commit, cheapest first.
+//! `cargo xtask test`: everything that must hold on every commit, cheapest first. `--quick`: what finds most mistakes in minutes.
 
 mod package;
 mod tally;
@@ -11,37 +11,45 @@ use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 use tally::Tally;
 
 /// What was checked so far.
 #[derive(Default)]
 struct Checks {
+    /// Whether tests take every case of their large grids.
+    all_cases: bool,
     passed: usize,
     failed: usize,
     /// Name of a check, what it lacks and how to get it.
     skipped: Vec<(&'static str, String)>,
     tests: Tally,
+    /// Each check and how long it took.
+    times: Vec<(String, Duration)>,
 }
 
-/// Makes all checks, also after one that fails; what failed stands at the end.
-pub(crate) fn run() -> Result<(), String> {
-    component("rustfmt", "fmt")?;
-    component("clippy", "clippy")?;
-    let mut checks = Checks::default();
-    // Downloads and installations take their time while the first checks compile; what fails here is said where it is needed.
-    let ready = std::thread::spawn(prepare);
-    let (first, others) = Checks::ALL.split_at(Checks::WITHOUT_TOOLS);
-    let mut make = |checks_of: &[Check]| -> Vec<String> {
-        checks_of.iter().filter_map(|check| check(&mut checks).err()).collect()
+const HELP: &str = "\
+Usage: cargo xtask test [--quick | --full]
+
+Makes all checks, also after one that fails; what failed stands at the end.
+
+  --quick   Format, lints, the tests that are not slow (`#[ignore = \"slow\"]`) and the example run files
+  --full    All checks, with every case of the large grids of which the tests take some, and the tests that are left to it
+";
+
+/// Makes all checks, or the quick ones.
+pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
+    let chosen: &[Check] = match arguments {
+        [] => return Checks::default().make_all(),
+        [one] if one == "--full" => {
+            return Checks { all_cases: true, ..Checks::default() }.make_all();
+        }
+        [one] if one == "--quick" => &Checks::QUICK,
+        _ => return Err(HELP.to_owned()),
     };
-    let mut failures = make(first);
-    ready.join().ok();
-    failures.extend(make(others));
-    say(&checks.summary());
-    if failures.is_empty() {
-        return Ok(());
-    }
-    Err(format!("failed:\n   {}", failures.join("\n   ")))
+    let mut checks = Checks::default();
+    let failures = checks.make(chosen);
+    checks.end(&failures)
 }
 
 /// Environments of Python, tools of the page and browsers.
@@ -64,19 +72,49 @@ const PACKAGE: Environment =
 type Check = fn(&mut Checks) -> Result<(), String>;
 
 impl Checks {
+    fn make_all(mut self) -> Result<(), String> {
+        // Downloads and installations take their time while the first checks compile; what fails here is said where it is needed.
+        let ready = std::thread::spawn(prepare);
+        let (first, others) = Self::ALL.split_at(Self::WITHOUT_TOOLS);
+        let mut failures = self.make(first);
+        ready.join().ok();
+        failures.extend(self.make(others));
+        self.end(&failures)
+    }
+
+    /// Makes checks; what failed.
+    fn make(&mut self, chosen: &[Check]) -> Vec<String> {
+        chosen.iter().filter_map(|check| check(self).err()).collect()
+    }
+
+    fn end(&self, failures: &[String]) -> Result<(), String> {
+        say(&self.summary());
+        if failures.is_empty() {
+            return Ok(());
+        }
+        Err(format!("failed:\n   {}", failures.join("\n   ")))
+    }
+
+    /// What finds most mistakes in minutes.
+    const QUICK: [Check; 4] = [
+        Self::format,
+        Self::lints,
+        |checks| {
+            let mut tests = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
+            checks.tests("tests that are not slow", tests.arg("--tests"))
+        },
+        Self::run_files,
+    ];
+
     /// How many of the first checks need no tools but the compiler.
     const WITHOUT_TOOLS: usize = 7;
 
     /// All checks, cheapest first.
     const ALL: [Check; 13] = [
-        |checks| checks.step("format", cargo(["fmt", "--all", "--check"])),
+        Self::format,
         Self::workflows,
         Self::licences,
-        |checks| {
-            let lints =
-                ["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"];
-            checks.step("lints", cargo(lints))
-        },
+        Self::lints,
         |checks| {
             let mut doc =
                 cargo(["doc", "--workspace", "--no-deps", "--document-private-items", "--locked"]);
@@ -86,7 +124,7 @@ impl Checks {
         // Examples and benchmarks are not linked: the lints have compiled them.
         |checks| {
             let mut tests = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
-            checks.tests("tests", tests.arg("--tests"))
+            checks.tests("tests", tests.args(["--tests", "--", "--include-ignored"]))
         },
         |checks| {
             let mut examples = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
@@ -106,6 +144,17 @@ impl Checks {
         },
         Self::web,
     ];
+
+    fn format(&mut self) -> Result<(), String> {
+        component("rustfmt", "fmt")?;
+        self.step("format", cargo(["fmt", "--all", "--check"]))
+    }
+
+    fn lints(&mut self) -> Result<(), String> {
+        component("clippy", "clippy")?;
+        let lints = ["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"];
+        self.step("lints", cargo(lints))
+    }
 
     /// Licences and sources of all dependencies, and advisories against them, without asking the network.
     fn licences(&mut self) -> Result<(), String> {
@@ -219,8 +268,13 @@ impl Checks {
         found.map_err(|why| self.skip(name, &why)).ok()
     }
 
-    fn step(&mut self, name: &str, command: Command) -> Result<(), String> {
+    fn step(&mut self, name: &str, mut command: Command) -> Result<(), String> {
+        if self.all_cases {
+            command.env("MYOSPRING_ALL_CASES", "1");
+        }
+        let start = Instant::now();
         let outcome = step(name, command);
+        self.times.push((name.to_owned(), start.elapsed()));
         match outcome {
             Ok(()) => self.passed += 1,
             Err(_) => self.failed += 1,
@@ -239,7 +293,10 @@ impl Checks {
         let folder = temporary()?;
         let notes = folder.path().join("skipped");
         command.env("MYOSPRING_SKIPPED_TESTS", &notes).stdout(Stdio::piped());
-        let mut output = String::new();
+        if self.all_cases {
+            command.env("MYOSPRING_ALL_CASES", "1");
+        }
+        let (mut output, start) = (String::new(), Instant::now());
         say(&format!("\n== {name}\n"));
         let mut child = command.spawn().map_err(|error| format!("{name}: {error}"))?;
         if let Some(stdout) = child.stdout.take() {
@@ -253,6 +310,7 @@ impl Checks {
             }
         }
         let status = child.wait().map_err(|error| format!("{name}: {error}"))?;
+        self.times.push((name.to_owned(), start.elapsed()));
         // Without the file no test has skipped.
         self.tests.add(&output, &std::fs::read_to_string(&notes).unwrap_or_default());
         if status.success() {
@@ -263,9 +321,16 @@ impl Checks {
         Err(format!("{name} failed ({status})"))
     }
 
-    /// What was skipped, and all checks and tests by their outcome.
+    /// The longest checks, what was skipped, and all checks and tests by their outcome.
     fn summary(&self) -> String {
-        let mut text = self.tests.skipped();
+        const LONGEST: usize = 8;
+        let mut longest: Vec<&(String, Duration)> = self.times.iter().collect();
+        longest.sort_by_key(|(_, time)| std::cmp::Reverse(*time));
+        let mut text = String::from("\nThe longest checks:\n");
+        for (name, time) in longest.iter().take(LONGEST) {
+            _ = writeln!(text, "   {:4} s  {name}", time.as_secs());
+        }
+        text.push_str(&self.tests.skipped());
         if !self.skipped.is_empty() {
             _ = writeln!(text, "\n{} checks skipped:", self.skipped.len());
             for (name, why) in &self.skipped {

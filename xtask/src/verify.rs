@@ -38,6 +38,7 @@ Checks:
   loads            Held, against loads, between carbon fibres, against an independent program
   gel              A cell on a gel: closed forms, balances, pyTFM's forces, measured forces
   thick            A thick cell: material, locking, shortening, a bed under it, against a separate program
+  tissue           Waves through tissue: conduction velocity on three lattices, against a separate program
   viscosity        A cell whose shape lags behind its tension, against an independent program
   parts            A weak half and a passive nucleus: strain against a closed form and a finer mesh
   finite-elements  A published finite-element twitch, if its data are there
@@ -73,7 +74,7 @@ struct Check {
     peer: Option<(&'static str, &'static str)>,
 }
 
-const CHECKS: [Check; 20] = [
+const CHECKS: [Check; 21] = [
     own("oscillator", "Oscillator"),
     own("time-order", "Order in time of a strip in motion"),
     own("chain", "Hanging chain"),
@@ -89,6 +90,7 @@ const CHECKS: [Check; 20] = [
     own("loads", "A cell under load"),
     own("gel", "A cell on a gel"),
     own("thick", "A thick cell"),
+    own("tissue", "Waves through tissue"),
     own("viscosity", "Viscosity"),
     own("parts", "Parts of a cell that differ"),
     own("finite-elements", "Finite-element twitch"),

@@ -1,5 +1,6 @@
 //! `myospring analyse`.
 
+mod film;
 pub(crate) mod table;
 mod words;
 
@@ -10,11 +11,20 @@ use crate::files::FILES;
 use crate::terminal::Terminal;
 use crate::{interrupt, print};
 use myospring::experiment::analyse::Analyse;
+use myospring::experiment::optical::MapWaves;
 use myospring::experiment::{Experiment, Folder, Outcome, tables};
 use myospring::output::json;
 use std::path::{Path, PathBuf};
 
 pub(crate) fn analyse(args: &AnalyseArgs) -> Result<ExitCode, Failure> {
+    if let [film] = &args.inputs[..]
+        && MapWaves::takes(film)
+    {
+        return film::analyse(args, film);
+    }
+    if args.light.is_some() {
+        return Err(Failure::new("--light is for a film of light; these are tables of curves"));
+    }
     let experiment = Analyse {
         table: table::options(
             &args.table,

@@ -28,6 +28,7 @@ const STYLES: Styles = Styles::styled()
 const CELL: &str = "Cell model and stimulus";
 const NUMERICS: &str = "Numerics";
 const FILM: &str = "Film";
+const POSTS: &str = "Posts of a tissue";
 
 /// From a microscope picture of a heart cell to its beat.
 #[derive(Debug, Parser)]
@@ -265,7 +266,8 @@ pub(crate) struct SegmentArgs {
     myospring track film.ome.tif                       pixel size and frame rate from the file\n  \
     myospring track frames --pixel-size \"0.27 um\" --frame-rate 100       a folder of pictures\n  \
     myospring track film.tif --frame 12 --outline cell.roi      the cell as drawn on frame 12\n  \
-    myospring track film.ome.tif --cell all            every cell of the film: a row a cell\n\n\
+    myospring track film.ome.tif --cell all            every cell of the film: a row a cell\n  \
+    myospring track tissue.tif --posts --post-stiffness \"0.4 uN/um\"      the force of a tissue on two posts\n\n\
     Films: TIFF, OME-TIFF and ImageJ stacks, folders of .png and .tif, AVI (uncompressed, MJPEG, PNG), .y4m; others \
     through ffmpeg, if it is installed.\n\n\
     Results: track.csv (one row per frame: t_ms, length_um, shortening_pct, width_um, area_um2, stretch_1 and stretch_2, \
@@ -284,6 +286,34 @@ pub(crate) struct TrackArgs {
     /// more reliable, smaller ones resolve finer motion [default: "4 um", at least 17 pixels]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, help_heading = FILM)]
     pub(crate) subset: Option<String>,
+    /// Follow the two posts that hold a tissue at its ends, instead of a cell: how far they bend and, with their stiffness, the force
+    #[arg(long, help_heading = POSTS)]
+    pub(crate) posts: bool,
+    /// Where the posts are in the first frame, or in that of --frame: column, row and diameter of each in pixels from the upper left
+    /// corner ("120,256,40 390,256,40"); of rectangular posts the sides along and across the tissue instead of the diameter
+    /// ("120,256,30x60 390,256,30x60") [default: they are found]
+    #[arg(long, value_name = "PLACES", requires = "posts", help_heading = POSTS)]
+    pub(crate) post_places: Option<String>,
+    /// Stiffness of one post ("0.4 uN/um"), or its length, width and modulus below [default: displacements alone]
+    #[arg(long, value_name = "STIFFNESS", allow_hyphen_values = true, requires = "posts", conflicts_with = "post_length",
+          help_heading = POSTS)]
+    pub(crate) post_stiffness: Option<String>,
+    /// Length of the posts from foot to tip ("3 mm")
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, requires_all = ["posts", "post_width", "post_modulus"],
+          help_heading = POSTS)]
+    pub(crate) post_length: Option<String>,
+    /// Height of the tissue above the foot of the posts [default: at their tip]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, requires = "post_length", help_heading = POSTS)]
+    pub(crate) post_load_height: Option<String>,
+    /// Width of the posts across the tissue; of round posts their diameter ("1 mm")
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, requires = "post_length", help_heading = POSTS)]
+    pub(crate) post_width: Option<String>,
+    /// Thickness of rectangular posts along the tissue [default: round posts]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, requires = "post_length", help_heading = POSTS)]
+    pub(crate) post_thickness: Option<String>,
+    /// Young's modulus of the posts ("1600 kPa")
+    #[arg(long, value_name = "MODULUS", allow_hyphen_values = true, requires = "post_length", help_heading = POSTS)]
+    pub(crate) post_modulus: Option<String>,
     #[command(flatten)]
     pub(crate) settings: Settings<Seen>,
     /// Threads; results do not depend on it [default: all cores]

@@ -9,10 +9,9 @@ use myospring::output::figure::Theme;
 /// The style of figures and films.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(crate) struct Look {
-    /// Quantity that colours the cell in figures and films
-    #[arg(long, value_name = "NAME", value_parser = colours(), default_value = Field::default().word(),
-          help_heading = super::args::OUTPUT)]
-    pub(crate) colour: Field,
+    /// Quantity that colours the cell in figures and films [default: fibre-strain, of a tissue potential]
+    #[arg(long, value_name = "NAME", value_parser = colours(), help_heading = super::args::OUTPUT)]
+    pub(crate) colour: Option<Field>,
     /// Background of figures and films
     #[arg(long, value_name = "THEME", value_parser = themes(), default_value = Theme::default().word(),
           help_heading = super::args::OUTPUT)]

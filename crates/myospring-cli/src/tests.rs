@@ -74,7 +74,9 @@ fn commands(page: &str) -> Vec<Vec<String>> {
     }
     let within = outside.replace('\n', " ");
     let within = within.split('`').skip(1).step_by(2).map(str::to_owned);
-    let blocks = blocks(page, "sh").into_iter().flat_map(str::lines).map(str::to_owned);
+    // A backslash at the end of a line goes on in the next one, as in a shell.
+    let blocks = blocks(page, "sh").into_iter().map(|block| block.replace("\\\n", " "));
+    let blocks = blocks.flat_map(|block| block.lines().map(str::to_owned).collect::<Vec<_>>());
     blocks.chain(within.collect::<Vec<_>>()).map(|line| words(&line)).collect()
 }
 

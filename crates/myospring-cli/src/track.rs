@@ -1,23 +1,26 @@
 //! `myospring track`.
 
+mod posts;
+mod told;
+
 use crate::analyse::table::frame_rate;
 use crate::args::TrackArgs;
 use crate::exit::ExitCode;
 use crate::failure::Failure;
 use crate::files::FILES;
+use crate::input;
 use crate::terminal::Terminal;
-use crate::{input, print};
 use myospring::experiment::run::NONE;
 use myospring::experiment::track::{
     HeadlineReport, Output, Track, TrackCells, TrackReport, TrackedCells,
 };
-use myospring::experiment::{Experiment, Folder, Outcome};
+use myospring::experiment::{Experiment, Folder};
 use myospring::microscopy::motion::TrackingSettings;
-use myospring::output::json;
 use myospring::study::Status;
 use myospring::units::{self, Dimension};
 use std::num::NonZeroUsize;
 use std::path::Path;
+use told::told;
 
 pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
     let mut experiment = Track {
@@ -28,6 +31,9 @@ pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
         outputs: outputs(&args.outputs)?,
         ..Track::of(&args.input)
     };
+    if args.posts {
+        return posts::track(args, experiment);
+    }
     let name = experiment.check(&FILES)?;
     experiment.refused = Some(input::refusals(&args.output, &name));
     let target = args.output.output.clone();
@@ -43,27 +49,6 @@ pub(crate) fn track(args: &TrackArgs) -> Result<ExitCode, Failure> {
     let outcome = experiment.run(&FILES, &terminal)?;
     told(args, &outcome, folder, &terminal, || for_people(&outcome.report))?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// Saves an outcome and prints it.
-fn told(
-    args: &TrackArgs,
-    outcome: &impl Outcome,
-    folder: Folder,
-    terminal: &Terminal,
-    words: impl FnOnce() -> String,
-) -> Result<(), Failure> {
-    terminal.clear();
-    if !args.output.quiet {
-        outcome.warnings().iter().for_each(|warning| print::warn(warning));
-    }
-    outcome.save(&folder, terminal)?;
-    let target = folder.finish(terminal)?;
-    if args.output.json {
-        return print::out(&json::for_people(&outcome.numbers())?);
-    }
-    print::out(&words())?;
-    print::out(&format!("\nwritten: {}", target.display()))
 }
 
 /// A line a cell.

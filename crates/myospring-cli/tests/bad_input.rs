@@ -312,6 +312,7 @@ fn every_bad_input_is_refused_with_exit_code_2_and_leaves_nothing() {
 
 /// The micro sign, the Greek letter, words; what an old editor or terminal writes.
 #[test]
+#[ignore = "slow"]
 fn a_unit_is_read_however_it_is_written() {
     let folder = workplace();
     let mesh = |arguments: &[&std::ffi::OsStr]| {

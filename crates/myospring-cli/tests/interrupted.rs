@@ -197,16 +197,17 @@ const BATCH: [&str; 10] = [
 ];
 
 #[test]
+#[ignore = "slow"]
 fn an_interrupted_batch_keeps_its_journal_and_the_same_command_goes_on() {
     let folder = tempfile::tempdir().unwrap();
-    pictures(folder.path(), 12);
+    pictures(folder.path(), 8);
     let child = command(folder.path(), &BATCH).spawn().unwrap();
     let journal = folder.path().join("beats/progress.jsonl");
     let lines = || fs::read_to_string(&journal).unwrap_or_default().lines().count();
     until("two pictures", || lines() >= 2);
     // A second batch is refused as long as the first goes on.
     let second = command(folder.path(), &BATCH).output().unwrap();
-    if lines() < 12 {
+    if lines() < 8 {
         assert_eq!(second.status.code(), Some(2));
         assert!(
             stderr(&second).contains("another run is writing to `beats`"),
@@ -218,17 +219,17 @@ fn an_interrupted_batch_keeps_its_journal_and_the_same_command_goes_on() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.signal(), Some(2), "{}", stderr(&output));
     let done = lines();
-    assert!((2..12).contains(&done), "{done} pictures");
-    let kept = format!("{done} of 12 pictures are done and kept; the same command continues");
+    assert!((2..8).contains(&done), "{done} pictures");
+    let kept = format!("{done} of 8 pictures are done and kept; the same command continues");
     assert!(stderr(&output).contains(&kept), "{}", stderr(&output));
     let rows = fs::read_to_string(folder.path().join("beats/cells.csv")).unwrap().lines().count();
     assert_eq!(rows, done + 1, "the table has what is done");
 
     let output = command(folder.path(), &BATCH).output().unwrap();
-    assert!(stderr(&output).contains(&format!("continuing: {done} of 12")), "{}", stderr(&output));
+    assert!(stderr(&output).contains(&format!("continuing: {done} of 8")), "{}", stderr(&output));
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let table = fs::read_to_string(folder.path().join("beats/cells.csv")).unwrap();
-    assert_eq!(table.lines().count(), 13);
+    assert_eq!(table.lines().count(), 9);
     assert_eq!(parts(folder.path()), [""; 0]);
 }
 

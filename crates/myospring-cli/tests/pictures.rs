@@ -117,6 +117,7 @@ fn a_label_beyond_16_bits_is_segmented_meshed_and_written_so_that_it_runs_again(
 }
 
 #[test]
+#[ignore = "slow"]
 fn files_of_options_are_relative_to_the_user_and_a_written_run_file_runs_from_anywhere() {
     let folder = tempfile::tempdir().unwrap();
     let study = folder.path().join("study");
@@ -239,6 +240,7 @@ fn what_speaks_against_outline_and_fibres_is_said() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn fibres_that_a_picture_shows_go_into_a_table_into_reports_and_into_the_run_that_repeats_it() {
     let folder = tempfile::tempdir().unwrap();
     cell(&folder.path().join("cell.png"));

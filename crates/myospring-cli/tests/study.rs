@@ -44,6 +44,7 @@ const STUDY: &str = "
 ";
 
 #[test]
+#[ignore = "slow"]
 fn a_study_gives_the_same_bits_in_one_go_in_parts_and_after_it_was_killed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
@@ -334,6 +335,7 @@ fn small(study: &str) -> String {
 }
 
 #[test]
+#[ignore = "slow"]
 fn every_study_of_the_examples_runs_and_all_parameters_of_the_paper_are_looked_at() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

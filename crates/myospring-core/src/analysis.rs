@@ -32,6 +32,7 @@ mod tests;
 pub mod thickness;
 pub mod trace;
 pub mod transient;
+pub mod wave;
 
 pub use missing::{Missing, Reading};
 use serde::Serialize;

@@ -51,17 +51,19 @@ pub mod steady;
 mod stiff;
 mod tape;
 pub mod tension;
+mod together;
 pub mod tomek_2019;
 pub mod toy;
 pub mod trace;
 pub mod two_ways;
 mod upstroke;
 
-pub use cell_model::{Adaptive, AdaptiveSteps, CellModel, Filaments, InFits, SideBySide};
+pub use cell_model::{Adaptive, AdaptiveSteps, CellModel, Filaments, InFits, SideBySide, Together};
 pub use description::{
     Gate, Input, KnownDeparture, ModelError, Moved, Output, StateVariable, Stimulation,
     TensionKind, required,
 };
+pub(crate) use together::CellsTogether;
 
 use crate::parameter::nearest;
 use std::sync::Arc;

@@ -11,19 +11,31 @@
 //! is computed first and the mesh follows. If it depends on the stretch that it causes, both are
 //! solved together: the activation may be called repeatedly from the same state
 //! ([`Activation::advance`]), and its [`ActivationTangent`] gives the derivatives for the solver.
-//! [`WholeCell`] is one cell model for the whole cell, [`ByTriangle`] has one in each triangle.
+//! [`WholeCell`] is one cell model for the whole cell, [`ByTriangle`] has one in each triangle, and the cells of a [`Tissue`] stimulate
+//! each other.
 
 mod by_triangle;
 mod cell_course;
+mod coupling;
 mod crossbridges;
+mod diffusion;
+mod local_beats;
+mod members;
+mod tips;
+mod tissue;
+mod velocity;
 mod whole_cell;
 
 pub use by_triangle::ByTriangle;
 pub(crate) use cell_course::CellCourse;
+pub use coupling::{Coupling, StimulusPlace, StretchCurrent};
+pub use diffusion::Conduction;
+pub use tissue::{Tissue, TissueCells, TissueError};
 pub use whole_cell::WholeCell;
 
 use crate::cell::Output;
 use crate::mechanics::Tension;
+use crate::recording::{LocalBeat, WaveTip};
 
 /// Sites of an activation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -187,6 +199,22 @@ pub trait Activation: Send + Sync {
     /// Returns the current values of [`Activation::outputs`], in their order.
     fn output_values(&self) -> Vec<f64> {
         Vec::new()
+    }
+
+    /// Returns the beats at each node of the mesh, in order of time; `None`, at all times, if the cells do not stimulate each other.
+    fn local_beats(&self) -> Option<&[Vec<LocalBeat>]> {
+        None
+    }
+
+    /// Returns the membrane potential at each node of the mesh, mV; `None`, at all times, if it is the same everywhere or the cells have
+    /// no millivolts.
+    fn potentials_mv(&self) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Returns where waves ended so far, in order of time; none by default.
+    fn wave_tips(&self) -> &[WaveTip] {
+        &[]
     }
 
     /// Returns a copy in the same state, for another run.

@@ -32,6 +32,7 @@ pub mod gel;
 pub mod lattice_law;
 pub mod loaded_end;
 pub mod material;
+pub mod post;
 mod runs;
 pub mod spring;
 pub mod stability;

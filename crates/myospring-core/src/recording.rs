@@ -125,8 +125,58 @@ pub struct Frame<const D: usize = 2> {
     pub ta_by_triangle_kpa: Option<Vec<f64>>,
     /// Force of each node on the gel to which the cell adheres, nN: `on_gel_nn[axis][node]`.
     pub on_gel_nn: Option<[Vec<f64>; D]>,
+    /// Membrane potential at each node, mV, where it differs from place to place, as in a tissue.
+    pub potential_mv: Option<Vec<f64>>,
     /// Positions, um: `positions[axis][node]`.
     pub positions: [Vec<f64>; D],
+}
+
+impl<const D: usize> Frame<D> {
+    /// The shape at a time (ms) of a cell on no gel with the same tension (kPa) everywhere; positions in um, `positions[axis][node]`.
+    pub const fn new(t_ms: f64, ta_kpa: f64, positions: [Vec<f64>; D]) -> Self {
+        Self {
+            t_ms,
+            ta_kpa,
+            ta_by_triangle_kpa: None,
+            on_gel_nn: None,
+            potential_mv: None,
+            positions,
+        }
+    }
+}
+
+/// One beat at one place of a tissue.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LocalBeat {
+    /// When the potential rose above -40 mV (a dimensionless one without millivolts: 0.5), ms.
+    pub activated_ms: f64,
+    /// When it had fallen by 90 % of its height above that at 0 ms, ms; `None` if it did not.
+    pub repolarised_ms: Option<f64>,
+}
+
+/// Where a wave in a tissue ends.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WaveTip {
+    /// When, ms.
+    pub t_ms: f64,
+    /// Where, in the tissue at rest, um.
+    pub x_um: f64,
+    /// Where, in the tissue at rest, um.
+    pub y_um: f64,
+}
+
+/// How beats spread over a tissue.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Wave {
+    /// Its nodes at rest, um: `points[axis][node]`.
+    pub points: [Vec<f64>; 2],
+    /// The corners of its triangles.
+    pub triangles: Vec<[u32; 3]>,
+    /// The beats of each node, in order of time.
+    pub beats: Vec<Vec<LocalBeat>>,
+    /// Where waves end, in order of time: the tips about which spiral waves turn (`fenton_1998`). Waves that meet have some for a moment.
+    #[serde(default)]
+    pub tips: Vec<WaveTip>,
 }
 
 /// The recording of a run.
@@ -140,11 +190,19 @@ pub struct Recording<const D: usize = 2> {
     pub in_space: Vec<Frame<3>>,
     /// Further outputs of the cell model; empty for most models.
     pub signals: Vec<Signal>,
+    /// How beats spread, of a tissue.
+    pub wave: Option<Wave>,
 }
 
 impl<const D: usize> Default for Recording<D> {
     /// An empty recording.
     fn default() -> Self {
-        Self { samples: Vec::new(), frames: Vec::new(), in_space: Vec::new(), signals: Vec::new() }
+        Self {
+            samples: Vec::new(),
+            frames: Vec::new(),
+            in_space: Vec::new(),
+            signals: Vec::new(),
+            wave: None,
+        }
     }
 }

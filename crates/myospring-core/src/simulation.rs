@@ -67,7 +67,7 @@ pub use train::Train;
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::SolverSettings;
 use crate::cell::{CellModel, coelho_2021};
-use crate::exchange::Activation;
+use crate::exchange::{Activation, Coupling};
 use crate::integrate::Method;
 use crate::integrate::engine::Engine;
 use crate::integrate::stepper::Stepper;
@@ -191,6 +191,8 @@ pub struct Simulation {
     /// Speed at which each stimulus travels along the long axis from the end where the axis starts,
     /// um/ms; `None` stimulates the whole cell at once.
     pub wave_speed: Option<f64>,
+    /// How the cells of a tissue stimulate each other, one at each node; `None` for a single cell.
+    pub tissue: Option<Coupling>,
     /// Material of the cell.
     pub material: Material,
     /// How the active tension acts.
@@ -236,6 +238,7 @@ impl Simulation {
             myofibril_content: None,
             resting_stretch: None,
             wave_speed: None,
+            tissue: None,
             mesh,
             thick: None,
             fibres_in_space: None,

@@ -53,6 +53,8 @@ pub enum Dimension {
     Rate,
     /// Speed, um/ms.
     Speed,
+    /// Diffusion coefficient, um^2/ms.
+    Diffusion,
     /// Angle, degrees.
     Angle,
     /// A dimensionless number; also accepted as a percentage.
@@ -73,7 +75,9 @@ impl Dimension {
                 &[("kPa", 1.0), ("Pa", 1e-3), ("MPa", 1e3), ("mN/mm^2", 1.0), ("nN/um^2", 1.0)]
             }
             Self::Force => &[("nN", 1.0), ("uN", 1e3), ("mN", 1e6), ("pN", 1e-3)],
-            Self::Stiffness => &[("nN/um", 1.0), ("mN/m", 1.0), ("N/m", 1e3), ("pN/nm", 1.0)],
+            Self::Stiffness => {
+                &[("nN/um", 1.0), ("mN/m", 1.0), ("N/m", 1e3), ("uN/um", 1e3), ("pN/nm", 1.0)]
+            }
             Self::BedStiffness => &[("kPa/um", 1.0), ("Pa/um", 1e-3), ("nN/um^3", 1.0)],
             Self::Damping => &[("nN ms/um", 1.0), ("nN s/um", 1e3)],
             Self::Mass => &[("ug", 1.0), ("ng", 1e-3), ("mg", 1e3)],
@@ -91,7 +95,12 @@ impl Dimension {
             Self::Current => &[("pA", 1.0), ("nA", 1e3), ("uA", 1e6), ("mA", 1e9), ("A", 1e12)],
             Self::Capacitance => &[("pF", 1.0), ("nF", 1e3), ("uF", 1e6), ("mF", 1e9), ("F", 1e12)],
             Self::Rate => &[("1/ms", 1.0), ("/ms", 1.0), ("1/s", 1e-3), ("/s", 1e-3), ("Hz", 1e-3)],
-            Self::Speed => &[("um/ms", 1.0), ("um/s", 1e-3), ("mm/s", 1.0), ("m/s", 1e3)],
+            Self::Speed => {
+                &[("um/ms", 1.0), ("um/s", 1e-3), ("mm/s", 1.0), ("cm/s", 10.0), ("m/s", 1e3)]
+            }
+            Self::Diffusion => {
+                &[("um^2/ms", 1.0), ("cm^2/s", 1e5), ("mm^2/s", 1e3), ("mm^2/ms", 1e6)]
+            }
             Self::Angle => &[("deg", 1.0), ("°", 1.0), ("rad", 57.295_779_513_082_32)],
             Self::Number => &[("", 1.0), ("%", 0.01)],
         }
@@ -130,12 +139,13 @@ impl Dimension {
             Self::Capacitance => "a capacitance",
             Self::Rate => "a rate",
             Self::Speed => "a speed",
+            Self::Diffusion => "a diffusion coefficient",
             Self::Angle => "an angle",
             Self::Number => "a number",
         }
     }
 
-    const ALL: [Self; 22] = [
+    const ALL: [Self; 23] = [
         Self::Time,
         Self::Length,
         Self::Area,
@@ -156,6 +166,7 @@ impl Dimension {
         Self::Capacitance,
         Self::Rate,
         Self::Speed,
+        Self::Diffusion,
         Self::Angle,
         Self::Number,
     ];

@@ -5,7 +5,8 @@
 //! plane; [`outlines`] reads outlines that were drawn elsewhere, and writes outlines; [`report`]
 //! measures the shape of a cell; [`fibres`] reads the direction of its myofibrils. [`cells`]
 //! combines these steps; [`whole_frame`] reads fibres where no cell has an outline. A [`film`] is
-//! many such planes; [`motion`] follows a cell through them. A [`stack`] is many such planes in
+//! many such planes; [`motion`] follows a cell through them, [`posts`] the two posts
+//! of a tissue, [`optical`] the waves that its light shows. A [`stack`] is many such planes in
 //! depth; it gives the voxels of a thick cell.
 
 pub mod burned_in;
@@ -16,14 +17,18 @@ pub mod film;
 pub mod filter;
 pub mod hot_pixels;
 pub mod motion;
-
+pub mod optical;
 pub mod outlines;
 pub mod picture;
 pub mod plane;
+pub mod posts;
 pub mod read;
 mod region;
 pub mod report;
 mod runs;
+#[cfg(test)]
+#[path = "../../myospring/tests/common/sample.rs"]
+mod sample;
 pub mod segment;
 pub mod stack;
 pub mod whole_frame;

@@ -35,10 +35,10 @@ mod neighbours;
 mod register;
 mod rest;
 mod sarcomeres;
-mod spline;
+pub(crate) mod spline;
 mod stage;
 mod stripes;
-mod subset;
+pub(crate) mod subset;
 mod walk;
 
 pub use beads::{BeadError, BeadSettings, GelMotion, follow_beads};

@@ -33,17 +33,20 @@ pub enum Field {
     Displacement,
     /// Absolute traction on the gel to which the cell adheres; 0 of a cell on none.
     Traction,
+    /// Membrane potential, where it differs from place to place, as in a tissue.
+    Potential,
 }
 
 impl Field {
     /// All fields of a flat cell, the default first.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::FibreStrain,
         Self::CrossStrain,
         Self::AreaRatio,
         Self::ActiveStress,
         Self::Displacement,
         Self::Traction,
+        Self::Potential,
     ];
 
     /// Fields of a thick cell, the default first.
@@ -55,11 +58,19 @@ impl Field {
         Self::Displacement,
     ];
 
-    /// Whether frames have it: active stress only those of a simulated cell, tractions only those of one on a gel.
+    /// What shows most of frames: the potential where it differs from place to place, else the strain along the fibre.
+    pub fn most_telling(frames: &[&Frame]) -> Self {
+        let spreads = !frames.is_empty() && Self::Potential.is_known(frames, false);
+        if spreads { Self::Potential } else { Self::default() }
+    }
+
+    /// Whether frames have it: active stress only those of a simulated cell, tractions only those of one on a gel, potentials only those
+    /// of a tissue.
     pub fn is_known<const D: usize>(self, frames: &[&Frame<D>], has_tension: bool) -> bool {
         match self {
             Self::ActiveStress => has_tension,
             Self::Traction => frames.iter().all(|frame| frame.on_gel_nn.is_some()),
+            Self::Potential => frames.iter().all(|frame| frame.potential_mv.is_some()),
             _ => true,
         }
     }
@@ -74,6 +85,7 @@ impl Field {
             Self::ActiveStress => "active-stress",
             Self::Displacement => "displacement",
             Self::Traction => "traction",
+            Self::Potential => "potential",
         }
     }
 
@@ -87,6 +99,7 @@ impl Field {
             Self::ActiveStress => "Active stress",
             Self::Displacement => "Displacement",
             Self::Traction => "Traction on the gel",
+            Self::Potential => "Membrane potential",
         }
     }
 
@@ -98,6 +111,7 @@ impl Field {
             Self::ActiveStress => "kPa",
             Self::Displacement => "um",
             Self::Traction => "Pa",
+            Self::Potential => "mV",
         }
     }
 
@@ -117,12 +131,14 @@ impl Field {
             Self::Traction => {
                 "force on the gel per area of the cell at rest, whatever its direction"
             }
+            Self::Potential => "membrane potential of each place",
         }
     }
 
-    /// Its value in a cell at rest without tension.
+    /// Its value in a cell at rest without tension; of the potential, about that of a ventricular cell.
     pub const fn at_rest(self) -> f64 {
         match self {
+            Self::Potential => -84.0,
             Self::AreaRatio | Self::VolumeRatio => 1.0,
             _ => 0.0,
         }
@@ -130,7 +146,7 @@ impl Field {
 
     /// Whether its values lie on both sides of that at rest.
     pub const fn is_two_sided(self) -> bool {
-        !matches!(self, Self::ActiveStress | Self::Displacement | Self::Traction)
+        !matches!(self, Self::ActiveStress | Self::Displacement | Self::Traction | Self::Potential)
     }
 
     /// The narrowest range of a colour scale: smaller differences are rounding errors or
@@ -140,6 +156,7 @@ impl Field {
             Self::FibreStrain | Self::CrossStrain | Self::ActiveStress | Self::Traction => 1.0,
             Self::AreaRatio | Self::VolumeRatio => 0.01,
             Self::Displacement => 0.1,
+            Self::Potential => 20.0,
         }
     }
 

@@ -78,7 +78,7 @@ pub use film_frames::{ComparedFrame, FilmFrames, FilmView};
 pub use fit::{DrawnFit, DrawnTension, LikelihoodProfile, fit, tension};
 pub use lattice::mesh;
 pub use loops::{DrawnLoops, loops};
-pub use maps::{Map, map_series, maps, no_map};
+pub use maps::{Map, NOT_KNOWN, map_series, maps, no_map};
 pub use measured::{Measured, measured};
 pub(crate) use measured::{around, shown};
 pub use members::{

@@ -109,6 +109,12 @@ pub fn to_npz_with(
         let array = Array::floats([frames.len(), nodes, 2], forces.into_iter().flat_map(pairs));
         arrays.push(("force_on_gel_nN", array));
     }
+    let potentials: Option<Vec<&Vec<f64>>> =
+        frames.iter().map(|frame| frame.potential_mv.as_ref()).collect();
+    if let Some(potentials) = potentials.filter(|potentials| !potentials.is_empty()) {
+        let potentials = potentials.into_iter().flatten().copied();
+        arrays.push(("potential_mV", Array::floats([frames.len(), nodes], potentials)));
+    }
     arrays.extend(more);
     npz::to_bytes(&arrays)
 }
@@ -186,6 +192,7 @@ fn kept<'a>(array: &dyn Fn(&str) -> Option<&'a Array>) -> Option<SavedFrames> {
     let by_triangle = floats("tension_by_triangle_kPa")
         .filter(|tensions| tensions.len() == times.len() * simplices.len());
     let on_gel = floats("force_on_gel_nN").filter(|forces| forces.len() == 2 * nodes * times.len());
+    let potentials = floats("potential_mV").filter(|all| all.len() == nodes * times.len());
     let frame = |(index, positions): (usize, &[f64])| Frame {
         t_ms: times[index],
         ta_kpa: tensions[index],
@@ -195,6 +202,7 @@ fn kept<'a>(array: &dyn Fn(&str) -> Option<&'a Array>) -> Option<SavedFrames> {
         on_gel_nn: on_gel.map(|forces| {
             axes(forces[2 * nodes * index..2 * nodes * (index + 1)].as_chunks::<2>().0)
         }),
+        potential_mv: potentials.map(|all| all[nodes * index..nodes * (index + 1)].to_vec()),
         positions: axes(positions.as_chunks::<2>().0),
     };
     let frames = if fits {
@@ -245,6 +253,7 @@ mod tests {
             ta_kpa: 0.3 * t_ms,
             ta_by_triangle_kpa: Some(vec![t_ms / 7.0; mesh.simplices.len()]),
             on_gel_nn: Some([vec![t_ms / 3.0; mesh.len()], vec![-t_ms; mesh.len()]]),
+            potential_mv: Some(vec![-84.0 + t_ms / 9.0; mesh.len()]),
             positions: mesh.points.clone().map(|xs| xs.iter().map(|x| x * 0.9 + t_ms).collect()),
         };
         let frames = vec![frame(0.0), frame(5.0)];

@@ -95,7 +95,7 @@ impl<'a, const D: usize, const N: usize> Frames<'a, D, N> {
     /// let mesh = cubes::block([4, 2, 2], 2.0)?;
     /// let stretches = [0.88, 1.0 / 0.88_f64.sqrt(), 1.0 / 0.88_f64.sqrt()];
     /// let positions = [0, 1, 2].map(|axis: usize| mesh.points[axis].iter().map(|x| stretches[axis] * x).collect());
-    /// let frame = Frame { t_ms: 171.0, ta_kpa: 50.0, ta_by_triangle_kpa: None, on_gel_nn: None, positions };
+    /// let frame = Frame::new(171.0, 50.0, positions);
     /// let (shapes, fibres) = ([frame], vec![[1.0, 0.0, 0.0]; mesh.simplices.len()]);
     /// let frames = Frames::new(&mesh, &shapes, &fibres, None)?;
     /// // The ten tetrahedra of a cube are one hexahedron.
@@ -196,6 +196,10 @@ impl<'a, const D: usize, const N: usize> Frames<'a, D, N> {
             } else {
                 array(&mut text, "force_on_gel_nN", 3, &vectors(&force));
             }
+        }
+        if let Some(potentials) = &frame.potential_mv {
+            let potentials: Vec<f32> = potentials.iter().map(|&value| value as f32).collect();
+            array(&mut text, "potential_mV", 1, &potentials);
         }
         text.push_str("</PointData>\n<CellData Scalars=\"fibre_strain_pct\" Vectors=\"fibre\">\n");
         array(&mut text, "fibre", 3, &fibres);

@@ -13,7 +13,7 @@ use myospring::integrate::engine::EngineUsed;
 use myospring::interruption::Interruption;
 use myospring::output::field::Fields;
 use myospring::output::figure::{self, FigureError};
-use myospring::recording::{Frame, Recording, Sample, Signal};
+use myospring::recording::{Frame, Recording, Sample, Signal, Wave};
 use myospring::run_file::RunFile;
 use myospring::settings::{MeshedRun, Run};
 use myospring::simulation::{Effort, Outcome, StopReason};
@@ -25,6 +25,9 @@ use pyo3::types::{PyBytes, PyDict};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// Numbers in a row.
+type Numbers<'py> = Bound<'py, PyArray1<f64>>;
 
 /// Name and value of a column.
 type Column = (&'static str, fn(&Sample) -> f64);
@@ -172,6 +175,27 @@ impl Beat {
         PyArray1::from_vec(py, flat).reshape([frames.len(), points, 3]).map(Some)
     }
 
+    /// Of a tissue, when each node was activated, ms after the stimulus, and the duration of its action potential, ms: (nodes,) each,
+    /// NaN where it has none. A single cell has `None`.
+    #[getter]
+    fn activation<'py>(&self, py: Python<'py>) -> Option<(Numbers<'py>, Numbers<'py>)> {
+        let map = self.beaten.outcome.wave_map()?;
+        let array = |values: Vec<Option<f64>>| {
+            let numbers = values.into_iter().map(|value| value.unwrap_or(f64::NAN));
+            PyArray1::from_vec(py, numbers.collect())
+        };
+        Some((array(map.activation_ms), array(map.duration_ms)))
+    }
+
+    /// Of a tissue, where waves ended: time, ms, x and y, um, (tips, 3). A single cell has `None`.
+    #[getter]
+    fn wave_tips<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let Some(wave) = &self.beaten.outcome.recording.wave else { return Ok(None) };
+        let flat: Vec<f64> =
+            wave.tips.iter().flat_map(|tip| [tip.t_ms, tip.x_um, tip.y_um]).collect();
+        PyArray1::from_vec(py, flat).reshape([wave.tips.len(), 3]).map(Some)
+    }
+
     /// The cell that beat.
     #[getter]
     fn cell(&self) -> Cell {
@@ -223,6 +247,15 @@ impl Beat {
         let forces: Option<Vec<_>> = frames.iter().map(|frame| frame.on_gel_nn.as_ref()).collect();
         let forces = forces.filter(|forces| !forces.is_empty());
         forces.map(|forces| self.by_frame(py, forces.into_iter())).transpose()
+    }
+
+    /// Membrane potential of each node, mV: (frames, nodes); `None` of a single cell.
+    #[getter]
+    fn potentials<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let frames = &self.beaten.outcome.recording.frames;
+        let all: Option<Vec<_>> = frames.iter().map(|frame| frame.potential_mv.clone()).collect();
+        let all = all.filter(|all| !all.is_empty());
+        all.map(|all| Ok(PyArray2::from_vec2(py, &all)?)).transpose()
     }
 
     /// Nodes of each triangle: (triangles, 3).
@@ -356,6 +389,7 @@ impl Beat {
             run_file: self.file.to_toml(),
             samples: recording.samples.clone(),
             signals: recording.signals.clone(),
+            wave: recording.wave.clone(),
             frames: recording.frames.iter().map(shape).collect(),
             in_space: recording.in_space.iter().map(shape).collect(),
             stop: stop.clone(),
@@ -382,6 +416,7 @@ impl Beat {
             frames: state.frames.into_iter().map(frame).collect(),
             in_space: state.in_space.into_iter().map(frame).collect(),
             signals: state.signals,
+            wave: state.wave,
         };
         let outcome = Outcome {
             recording,
@@ -436,17 +471,19 @@ impl myospring::experiment::Outcome for Saved<'_> {
     }
 }
 
-/// Time, tension, tension by triangle, forces on a gel, positions.
-type Shape<const D: usize> = (f64, f64, Option<Vec<f64>>, Option<[Vec<f64>; D]>, [Vec<f64>; D]);
+/// Time, tension, tension by triangle, forces on a gel, potentials, positions.
+type Shape<const D: usize> =
+    (f64, f64, Option<Vec<f64>>, Option<[Vec<f64>; D]>, Option<Vec<f64>>, [Vec<f64>; D]);
 
 fn shape<const D: usize>(frame: &Frame<D>) -> Shape<D> {
-    let Frame { t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, positions } = frame.clone();
-    (t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, positions)
+    let Frame { t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, potential_mv, positions } =
+        frame.clone();
+    (t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, potential_mv, positions)
 }
 
 fn frame<const D: usize>(shape: Shape<D>) -> Frame<D> {
-    let (t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, positions) = shape;
-    Frame { t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, positions }
+    let (t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, potential_mv, positions) = shape;
+    Frame { t_ms, ta_kpa, ta_by_triangle_kpa, on_gel_nn, potential_mv, positions }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -454,6 +491,7 @@ struct State {
     run_file: String,
     samples: Vec<Sample>,
     signals: Vec<Signal>,
+    wave: Option<Wave>,
     frames: Vec<Shape<2>>,
     in_space: Vec<Shape<3>>,
     stop: Option<StopReason>,

@@ -23,6 +23,7 @@ mod segment;
 mod settings;
 mod study;
 mod tension_map;
+mod tissue;
 mod track;
 mod traction;
 mod waiting;
@@ -52,6 +53,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<track::Motion>()?;
     module.add_class::<track::Motions>()?;
     module.add_class::<traction::Tractions>()?;
+    module.add_class::<tissue::Waves>()?;
+    module.add_class::<tissue::Posts>()?;
     module.add_class::<study::Study>()?;
     module.add_class::<study::Members>()?;
     module.add_class::<segment::Segmentation>()?;
@@ -77,6 +80,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(track::track_all, module)?)?;
     module.add_function(wrap_pyfunction!(traction::traction_of_arrays, module)?)?;
     module.add_function(wrap_pyfunction!(traction::traction_of_beads, module)?)?;
+    module.add_function(wrap_pyfunction!(tissue::map_waves, module)?)?;
+    module.add_function(wrap_pyfunction!(tissue::track_posts, module)?)?;
     module.add_function(wrap_pyfunction!(metrics::metrics, module)?)?;
     module.add_function(wrap_pyfunction!(pictures::tiff, module)?)?;
     module.add_function(wrap_pyfunction!(whole_frame::whole_frame, module)?)?;

@@ -3,7 +3,7 @@
 use myospring::settings::{Setting, ValueKind};
 
 /// Ends of names for units.
-const SUFFIXES: [(&str, &str); 11] = [
+const SUFFIXES: [(&str, &str); 14] = [
     ("ms", "_ms"),
     ("um", "_um"),
     ("um^2", "_um2"),
@@ -16,6 +16,9 @@ const SUFFIXES: [(&str, &str); 11] = [
     ("deg", "_deg"),
     ("1/ms", "_per_ms"),
     ("um/ms", "_um_per_ms"),
+    ("um^2/ms", "_um2_per_ms"),
+    ("mV", "_mv"),
+    ("mS/uF", "_ms_per_uf"),
 ];
 
 /// The name of a setting in Python. One that has no option has no name of its own on the command line either, so

@@ -137,3 +137,52 @@ def test_what_is_no_film_or_no_setting_of_one_is_refused(film, tmp_path):
 
     with pytest.raises(RuntimeError, match="enough"):
         myospring.tension_map(film, progress=stops, **GIVEN)
+
+
+def test_waves_in_an_array_of_light_are_mapped_and_saved(tmp_path):
+    # 20 cm/s to the right, 500 frames a second, pixels of 0.1 mm; the light falls by a tenth for 150 ms.
+    t, x = 2.0 * np.arange(200)[:, None, None], np.arange(30)[None, None, :]
+    since = t - 80 - 100 * x / 200 + np.zeros((1, 16, 1))
+    up = 1 / (1 + np.exp(-since / 2)) / (1 + np.exp((since - 130) / 8))
+    film = (20000 - 2000 * up + np.random.default_rng(1).normal(0, 20, up.shape)).astype(np.uint16)
+    given = {"pixel_size_um": 100, "frame_rate_per_s": 500}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        waves = myospring.map_waves(film, stimulus_times_ms=[70], **given)
+    assert waves.activation_ms.shape == waves.duration_ms.shape == (16, 30)
+    np.testing.assert_allclose(waves.activation_ms[:, 5:25], (10 + x[0] / 2 + np.zeros((16, 1)))[:, 5:25], atol=1)
+    assert waves.metrics[0]["conduction_velocity"] == pytest.approx(20, rel=0.05)
+    assert waves.light.shape == waves.t_ms.shape == (200,) and waves.numbers["falls"]
+    np.testing.assert_array_equal(waves.wave(0)[0].shape, (16, 30))
+    saved = waves.save(tmp_path / "waves")
+    assert {"activation.csv", "waves.csv", "waves.json", "report.html"} <= {path.name for path in saved.iterdir()}
+    with pytest.raises(ValueError, match="there are 1 waves"):
+        waves.wave(1)
+    with pytest.raises(ValueError, match="frame_rate_per_s"):
+        myospring.map_waves(film, pixel_size_um=100)
+
+
+def test_posts_in_an_array_are_tracked(tmp_path):
+    y, x = np.mgrid[0:80, 0:160]
+
+    def frame(pull):
+        posts = [(35 + pull, 40), (125 - pull, 40)]
+        dark = sum(1 / (1 + np.exp((np.hypot(x - a, y - b) - 10) / 0.7)) for a, b in posts)
+        return (200 - 120 * dark).astype(np.uint8)
+
+    pulls = 2 * np.sin(np.pi * np.clip((np.arange(40) % 20 - 4) / 10, 0, 1)) ** 2
+    film = np.array([frame(pull) for pull in pulls])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        posts = myospring.track_posts(
+            film,
+            pixel_size_um=4,
+            frame_rate_per_s=20,
+            post_stiffness_nn_per_um=400,
+            posts_px=[(35, 40, 20), (125, 40, 20)],
+        )
+    np.testing.assert_allclose(posts.approach_um, 2 * 4 * pulls, atol=0.3)
+    np.testing.assert_allclose(posts.force_nn, 200 * posts.approach_um)
+    assert (posts.save(tmp_path / "posts") / "posts.csv").exists()
+    with pytest.raises(ValueError, match="a post has 2 numbers"):
+        myospring.track_posts(film, pixel_size_um=4, frame_rate_per_s=20, posts_px=[(35, 40), (125, 40)])

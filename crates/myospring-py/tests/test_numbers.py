@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -100,12 +101,14 @@ def test_a_beat_has_every_metric_there_is_but_those_of_held_ends_s2_and_own_rhyt
     gel = {"peak_traction_force", "time_to_peak_traction_force", "traction_relaxation_time_50",
            "peak_axial_force", "peak_contractile_moment", "peak_gel_energy"}
     thick = {"thickness_at_rest", "peak_thickening", "volume_change", "top_shortening", "bottom_shortening"}
-    assert set(held.metrics) == set(myospring.METRICS) - rhythm - gel - thick
+    tissue = {"conduction_velocity", "activation_time", "activated_part", "local_action_potential_duration_90",
+              "repolarisation_spread"}
+    assert set(held.metrics) == set(myospring.METRICS) - rhythm - gel - thick - tissue
     assert held.metrics["coupling_interval"] == 500
     free = {"end_force_at_rest", "peak_end_force", "time_to_peak_end_force", "end_systolic_force",
             "end_systolic_length", "time_to_end_systole", "work_on_load"}
     alone = {"coupling_interval", "diastolic_interval", "relative_peak_tension", "relative_peak_shortening"}
-    assert set(beat.metrics) == set(myospring.METRICS) - free - alone - rhythm - gel - thick
+    assert set(beat.metrics) == set(myospring.METRICS) - free - alone - rhythm - gel - thick - tissue
     assert 1000 < held.metrics["peak_end_force"] < 20000
 
 
@@ -121,6 +124,22 @@ def test_a_thick_cell_thickens_as_it_shortens_and_keeps_its_volume(beat):
     assert beat.positions_in_space is None
     with pytest.raises(ValueError, match="meshed with 8 um"):
         myospring.simulate(made, thickness_um=6)
+
+
+def test_a_tissue_says_when_each_place_is_activated(beat):
+    strip = myospring.Cell.builtin("tissue_strip", spacing_um=150)
+    wave = myospring.simulate(strip, model="bueno_orovio_2008_epi", conduction_velocity_um_per_ms=300, duration_ms=120)
+    assert abs(wave.metrics["conduction_velocity"] - 30) < 0.2
+    assert wave.metrics["activated_part"] == 100
+    times = wave.activation_ms
+    assert times.shape == (strip.positions.shape[0],) and not times.flags.writeable
+    assert abs(times.max() - wave.metrics["activation_time"]) < 1e-9
+    assert np.isnan(wave.local_action_potential_duration_90_ms).all()  # The run ends before.
+    assert np.array_equal(pickle.loads(pickle.dumps(wave)).activation_ms, times)
+    assert wave.wave_tips.shape == (0, 3)  # A plane wave.
+    assert wave.potentials.shape == wave.positions.shape[:2]
+    assert wave.potentials.max() > 0 > wave.potentials.min()
+    assert beat.activation_ms is None and beat.wave_tips is None and beat.potentials is None
 
 
 def test_a_cell_pulls_on_its_gel_with_the_forces_that_its_curves_add_up(cell, beat):

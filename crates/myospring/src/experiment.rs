@@ -21,8 +21,10 @@ pub mod inputs;
 pub mod legible;
 pub mod mesh;
 mod observer;
+pub mod optical;
 mod overlay;
 pub mod paper;
+pub mod posts;
 pub mod refused;
 pub mod run;
 pub mod segment;
@@ -32,6 +34,7 @@ pub mod tension_map;
 pub mod track;
 pub mod traction;
 mod watched;
+mod waves;
 
 pub use beats::BeatOptions;
 pub use error::{ExperimentError, Passage};

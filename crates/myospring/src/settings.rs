@@ -16,13 +16,14 @@
 //! }
 //! let thickness = settings::find("material.thickness").unwrap();
 //! assert_eq!(thickness.unit(), Some("um"));
-//! assert_eq!(thickness.bounds_in_words().unwrap(), "above 0 um, at most 100 um");
+//! assert_eq!(thickness.bounds_in_words().unwrap(), "above 0 um, at most 5000 um");
 //! assert_eq!(thickness.default(), Some("10 um".into()));
 //! ```
 
 mod adhesion;
 mod bounds;
 mod calcium;
+mod conductivity;
 mod content;
 mod fibres;
 mod models;
@@ -38,12 +39,14 @@ mod shape;
 mod shown;
 mod steady;
 mod tension;
+mod tissue;
 mod value;
 mod words;
 
 pub use adhesion::{ADHESION_ENDINGS, AdhesionError};
 pub use bounds::{Bounds, Whole};
 pub use calcium::{CALCIUM_ENDINGS, CalciumError, Calibration};
+pub use conductivity::{CONDUCTIVITY_ENDINGS, ConductivityError};
 pub use content::{CONTENT_ENDINGS, ContentError};
 pub use fibres::{
     Asked, FibreDirection, FibreReport, Fibres, FibresError, NotRead, PictureFibres, SeenReport,
@@ -64,6 +67,7 @@ pub use shape::{
 pub use shown::{Shown, StackCell};
 pub use steady::CacheError;
 pub use tension::{TENSION_ENDINGS, TensionError};
+pub use tissue::{Conducts, TissueSettings};
 pub use value::Value;
 pub use words::Word;
 
@@ -117,6 +121,7 @@ mod tests {
             | "mechanics.gel_thickness"
             | "mechanics.adhesion"
             | "mechanics.adhesion_stiffness" => &[("mechanics.support", "gel")],
+            key if key.starts_with("mechanics.post_") => &[("mechanics.support", "posts")],
             key if key.starts_with("segmentation.") => &[("shape.picture", "cell.tif")],
             _ => &[],
         };

@@ -106,6 +106,17 @@ fn every_commented_key_of_the_template_is_valid_where_it_stands() {
         "tension",
         "tension_clock",
         "tolerance",
+        "velocity_ratio",
+        "conductivity",
+        "stimulated",
+        "s2_stimulated",
+        "stretch_conductance",
+        "stretch_reversal",
+        "post_length",
+        "post_load_height",
+        "post_width",
+        "post_thickness",
+        "post_modulus",
         "spring_stiffness",
         "picture",
         "pixel_size",
@@ -165,6 +176,7 @@ fn defaults_are_those_of_the_simulation() {
         myofibril_content: None,
         resting_stretch: None,
         adhesion: None,
+        tissue: None,
     };
     let made = run.simulation(mesh(), None, places);
     let of = |simulation: &Simulation| {
@@ -177,6 +189,7 @@ fn defaults_are_those_of_the_simulation() {
         (cell, *protocol, start_state.clone(), numbers, laws)
     };
     assert_eq!(of(&made), of(&usual));
+    assert_eq!(made.tissue, usual.tissue);
     assert_eq!((&made.long_axis, &made.fibres), (&usual.long_axis, &usual.fibres));
     assert_eq!(run.stimulus_times(), [50.0]);
 }
@@ -243,7 +256,7 @@ fn the_schema_refuses_unknown_keys_and_knows_units_and_bounds() {
     assert_eq!(files["pattern"], "\\.(mmt|cellml)$");
     let thickness = &schema["properties"]["material"]["properties"]["thickness"];
     assert_eq!(thickness["x-unit"], "um");
-    assert_eq!(thickness["x-bounds"], "above 0 um, at most 100 um");
+    assert_eq!(thickness["x-bounds"], "above 0 um, at most 5000 um");
     assert_eq!(thickness["type"], serde_json::json!(["string"]));
     assert!(thickness["description"].as_str().unwrap().contains("Thickness"));
 }

@@ -22,16 +22,18 @@ const FIT: &str = "Fit";
     myospring analyse fura.csv --kind calcium-ratio --stimulus-period \"1 s\"\n  \
     myospring analyse sarcomeres.csv --frame-rate 30 --mean         one row per sarcomere (SarcGraph)\n  \
     myospring analyse results.xlsx --sheet \"Data (ROIs)\"             default: every sheet\n  \
-    myospring analyse long.csv --from \"20 s\" --to \"45 s\"             a part of the recording\n\n\
+    myospring analyse long.csv --from \"20 s\" --to \"45 s\"             a part of the recording\n  \
+    myospring analyse dye.tif --frame-rate 500 --pixel-size \"100 um\"  waves in a film of a tissue's light (optical mapping)\n\n\
     A table needs a column of times, or --frame-rate, and one of values for each cell: `time (ms)`, `t_s`, `length_um`, \
     `Sarc Length (um)`, `shortening (%)`, `force_nN`, `ratio`, `Ca_nM`, `F/F0`, `Vm (mV)`. Delimiter, decimal comma, \
     header, encoding and lines above the table are detected.\n\
     Results: report.html (the curves with their beats, all numbers), metrics.csv (one row per beat), summary.csv (mean, \
     standard deviation, unit and definition of each metric), summary.json (everything, with the processing of each curve), \
-    figures/trace_NAME (SVG and PNG).\n\
+    figures/trace_NAME (SVG and PNG); of a film also activation.csv and figures/activation (when each place is activated, \
+    and for how long), waves.csv (one row per wave) and waves.json.\n\
     Exit codes: 0 done, 2 bad input or usage, or no curve with a beat.")]
 pub(crate) struct AnalyseArgs {
-    /// Tables of measured curves (.csv, .txt, .tsv, .atf, .xlsx), or folders of them
+    /// Tables of measured curves (.csv, .txt, .tsv, .atf, .xlsx), or folders of them; or a film of a tissue's light (.tif, .avi, .y4m)
     #[arg(value_name = "TRACE", required = true)]
     pub(crate) inputs: Vec<PathBuf>,
     #[command(flatten)]
@@ -56,6 +58,9 @@ pub(crate) struct AnalyseArgs {
     /// Do not subtract the drift of the baseline
     #[arg(long, help_heading = BEATS)]
     pub(crate) keep_drift: bool,
+    /// Whether the light of a film rises or falls in a beat [default: as its steepest changes do]
+    #[arg(long, value_name = "WAY", value_parser = ["rises", "falls"], help_heading = BEATS)]
+    pub(crate) light: Option<String>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }

@@ -5,6 +5,7 @@ use myospring::analysis::Metric;
 use myospring::analysis::bands::band;
 use myospring::analysis::beat::Beat;
 use myospring::analysis::summary::Summary;
+use myospring::analysis::wave::CONDUCTION_VELOCITY;
 use myospring::experiment::run::{RunNumbers, WrittenOutputs};
 use myospring::settings::Run;
 use myospring::simulation::Effort;
@@ -15,7 +16,7 @@ use std::path::Path;
 const LENGTHENING: &str = "peak_lengthening";
 
 /// Rows of the table after a run: metric and its name for people.
-pub(crate) const ROWS: [(&str, &str); 28] = [
+pub(crate) const ROWS: [(&str, &str); 33] = [
     ("peak_tension", "peak tension"),
     ("time_to_peak_tension", "time to peak tension, from stimulus"),
     ("resting_length", "resting length"),
@@ -44,6 +45,11 @@ pub(crate) const ROWS: [(&str, &str); 28] = [
     ("peak_contractile_moment", "peak contractile moment"),
     ("peak_gel_energy", "peak energy of the gel"),
     ("action_potential_duration_90", "APD90"),
+    ("conduction_velocity", "conduction velocity"),
+    ("activation_time", "time until the last place is activated, from stimulus"),
+    ("activated_part", "part of the tissue that is activated"),
+    ("local_action_potential_duration_90", "APD90, mean over the places"),
+    ("repolarisation_spread", "first to last repolarisation"),
 ];
 
 /// Rows only of an S2.
@@ -82,7 +88,10 @@ pub(super) fn for_people(name: &str, run: &Run, numbers: &RunNumbers<'_>) -> Str
     };
     let s2 = summary.s2();
     let columns = Columns { spread: !summary.beat_to_beat.is_empty(), s2: s2.is_some() };
-    let loaded = summary.beats.first().is_some_and(|beat| !beat.load.is_empty());
+    let is_of_tissue =
+        |beat: &Beat| beat.metrics().any(|metric| metric.name == CONDUCTION_VELOCITY);
+    let loaded =
+        summary.beats.first().is_some_and(|beat| !beat.load.is_empty() || is_of_tissue(beat));
     let band_column = if loaded { "" } else { "measured*" };
     let header = ["quantity", "value", "+- sd", "S2", "unit", band_column].map(str::to_owned);
     let mut rows = vec![columns.row(header)];

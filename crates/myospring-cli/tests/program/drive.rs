@@ -34,6 +34,7 @@ fn calcium_from_a_table_drives_a_cell_that_shows_it_and_no_potential() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_run_starts_from_a_steady_state_that_is_kept_and_a_damaged_one_is_told_and_made_anew() {
     let folder = tempfile::tempdir().unwrap();
     let run = |results: &str, more: &[&str]| {

@@ -141,6 +141,7 @@ fn several_columns_of_one_cell_are_one_fit_and_it_is_said_which() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_film_gives_a_map_of_where_its_cell_pulls() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("film")).unwrap();
@@ -243,6 +244,7 @@ fn several_columns_are_several_cells_and_one_that_cannot_be_fitted_is_a_row() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn what_cannot_be_fitted_is_said_with_how_to_mend_it() {
     let folder = tempfile::tempdir().unwrap();
     measured(folder.path(), 1);

@@ -13,6 +13,7 @@ mod fit;
 mod loss;
 mod outputs;
 mod paper;
+mod posts;
 #[path = "../../../myospring/tests/common/skipped.rs"]
 mod skipped;
 #[path = "../../../myospring/tests/common/synthetic_cell.rs"]

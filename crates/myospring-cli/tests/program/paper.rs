@@ -5,6 +5,7 @@ use std::fs;
 use super::{json, myospring, names, stderr};
 
 #[test]
+#[ignore = "slow"]
 fn the_paper_is_met_in_every_statement() {
     let folder = tempfile::tempdir().unwrap();
     let output = myospring(folder.path(), &["paper", "--json"]);

@@ -50,6 +50,7 @@ fn a_stack_beats_in_one_command_and_its_results_repeat_it() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_thick_cell_serves_studies_and_fits_and_says_what_it_cannot() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

@@ -76,13 +76,21 @@ fn follow_in(page: &str, folder: &Path) -> usize {
 }
 
 #[test]
+#[ignore = "slow"]
 fn from_beads_in_a_gel_to_tension_in_kpa() {
     assert!(follow("beads-to-kpa.md") > 10);
 }
 
 #[test]
+#[ignore = "slow"]
 fn from_a_picture_to_its_fitted_beat() {
     assert!(follow("picture-to-fit.md") > 10);
+}
+
+#[test]
+#[ignore = "slow"]
+fn from_a_film_of_a_tissue_on_posts_to_its_force() {
+    assert!(follow("tissue-on-posts.md") > 8);
 }
 
 #[test]
@@ -91,6 +99,7 @@ fn a_population_of_cells() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_published_model_beats_the_cell_of_a_picture() {
     let Some(model) = shared_data("cell-models/mmt/ohara-2011.mmt") else { return };
     let folder = tempfile::tempdir().unwrap();

@@ -6,7 +6,7 @@ use super::rows::{Context, recorded, row};
 use super::s2::{self, S1S2};
 use super::{
     Metric, Missing, action_potential, contraction, load, reading, rest, tension, thickness, trace,
-    value,
+    value, wave,
 };
 use crate::recording::{CALCIUM, END_FORCE, Recording, STEEPEST_RISE, Sample};
 use serde::Serialize;
@@ -107,15 +107,18 @@ fn beat(recording: &Recording, window: &Window, captured: Option<bool>) -> Beat 
         trace::baseline(&times, &lengths, stimulus),
         rest::BEFORE_STIMULUS,
     );
-    let action_potential = match potential(samples) {
+    let stimuli = [stimulus, window.next_ms];
+    let mut action_potential = match potential(samples) {
         Some((potential, unit)) => {
             let rest = trace::baseline(&times, &potential, stimulus);
             let rest_is = rest::BEFORE_STIMULUS;
-            let stimuli = [stimulus, window.next_ms];
             action_potential::above(&times, &potential, stimuli, unit, rest, rest_is)
         }
         None => Vec::new(),
     };
+    if let Some(spread) = &recording.wave {
+        action_potential.extend(wave::metrics(spread, stimuli));
+    }
     let active = column(|s| s.ta_kpa);
     let rest = trace::baseline(&times, &active, stimulus).unwrap_or_default();
     let rest = (rest, rest::BEFORE_STIMULUS);
@@ -242,6 +245,9 @@ pub(super) fn s2_beat(
         action_potential = pair.metrics(&times, &potential, unit);
         // These are among the metrics of S2.
         action_potential.retain(|metric| !metric.name.ends_with("_interval"));
+    }
+    if let Some(spread) = &recording.wave {
+        action_potential.extend(wave::metrics(spread, [s2_ms, f64::INFINITY]));
     }
     let mut groups = [tension, contraction, shape, load, action_potential];
     if captured == Some(false) {

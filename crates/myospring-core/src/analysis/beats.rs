@@ -8,7 +8,7 @@ use super::spontaneous::{self, Upstrokes};
 use super::{Metric, Missing, Spread, beat_to_beat, s2};
 use crate::recording::{
     AXIAL_FORCE, CONTRACTILE_MOMENT, END_FORCE, GEL_ENERGY, LENGTH_BOTTOM, LENGTH_TOP, Recording,
-    Sample, Signal, THICKNESS, TRACTION_FORCE, VOLUME,
+    Sample, Signal, THICKNESS, TRACTION_FORCE, VOLUME, Wave,
 };
 use std::ops::Deref;
 
@@ -173,7 +173,8 @@ pub fn known(in_mv: bool) -> Vec<Metric> {
         LENGTH_BOTTOM,
     ];
     let signals = told.map(signal).to_vec();
-    let recording = Recording { samples: vec![still], signals, ..Recording::default() };
+    let wave = Some(Wave::default());
+    let recording = Recording { samples: vec![still], signals, wave, ..Recording::default() };
     let Beats { list, energy, .. } = Beats::of(&recording, &[0.0], None);
     let of_beat = list.iter().flat_map(Beat::metrics).cloned();
     of_beat

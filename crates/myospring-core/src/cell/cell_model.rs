@@ -112,6 +112,10 @@ pub trait CellModel: Any + Send + Sync {
     fn side_by_side(&self) -> Option<&dyn SideBySide> {
         None
     }
+    /// Its steps of many cells at once, such as those of a tissue; by default each cell makes its own.
+    fn together(&self) -> Option<&dyn Together> {
+        None
+    }
 
     /// The same model with a measured course of calcium; `None` by default, for models that compute
     /// calcium.
@@ -274,6 +278,15 @@ pub trait SideBySide {
         settings: &BatchSettings,
         goes_on: &dyn Fn() -> bool,
     ) -> Option<Vec<Result<CellOutcome, SolveError>>>;
+}
+
+/// A model that can make a step of many cells at once, at their resting length.
+pub trait Together: Send + Sync {
+    /// A step of forward Euler of every cell, over a time in ms. `states` has a list for each state variable, and that a value for each
+    /// cell; `stimuli` has the current of each.
+    ///
+    /// A cell's new state is, to the last bit, what [`CellModel::derivatives`] gives.
+    fn euler(&self, states: &mut [Vec<f64>], stimuli: &[f64], step_ms: f64);
 }
 
 /// A paced cell at its resting length.

@@ -64,6 +64,11 @@ impl FixedSteps {
         &self.state
     }
 
+    /// Sets a state variable at that time.
+    pub(super) fn set_state(&mut self, place: usize, value: f64) {
+        self.state[place] = value;
+    }
+
     /// The largest rate of the potential since the last stimulus.
     pub(super) fn steepest_rise(&self) -> Option<f64> {
         self.upstroke.steepest()

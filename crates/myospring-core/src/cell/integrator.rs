@@ -115,6 +115,18 @@ impl CellIntegrator {
         Some(slope.unwrap_or(1.0) * rate)
     }
 
+    /// Whether its steps are fixed, so that others may change its state between them.
+    pub(crate) fn has_fixed_steps(&self) -> bool {
+        matches!(self.steps.way, Way::Fixed(_))
+    }
+
+    /// Sets a state variable, if the steps are fixed.
+    pub(crate) fn set_state(&mut self, place: usize, value: f64) {
+        if let Way::Fixed(steps) = &mut self.steps.way {
+            steps.set_state(place, value);
+        }
+    }
+
     /// The model that is integrated.
     pub fn model(&self) -> &Arc<dyn CellModel> {
         &self.model

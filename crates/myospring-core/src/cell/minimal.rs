@@ -19,11 +19,12 @@
 //! `w_inf_star` have no effect.
 
 mod electrical;
+mod together;
 
 pub use electrical::Electrical;
 pub(super) use electrical::rows;
 
-use super::cell_model::{Adaptive, CellModel, InFits, SideBySide};
+use super::cell_model::{Adaptive, CellModel, InFits, SideBySide, Together};
 use super::description::{
     Input, KnownDeparture, ModelError, StateVariable, Stimulation, TensionKind,
 };
@@ -214,6 +215,10 @@ impl CellModel for MinimalModel {
     }
 
     fn side_by_side(&self) -> Option<&dyn SideBySide> {
+        Some(self)
+    }
+
+    fn together(&self) -> Option<&dyn Together> {
         Some(self)
     }
 

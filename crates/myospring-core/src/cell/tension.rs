@@ -13,6 +13,7 @@ pub mod train;
 pub use step::Rates;
 
 use super::description::{ModelError, required};
+use super::exponential;
 use crate::parameter::{Parameter, ParameterSet};
 use std::f64::consts::PI;
 
@@ -101,12 +102,17 @@ impl Tension {
     /// `d(Ta_i)/dt` and `d(Ta)/dt`, 1/ms, from potential `u` and both tension variables.
     ///
     /// Source: `coelho_2021`, Eqs. (32)-(35).
+    #[inline(always)]
+    #[allow(
+        clippy::inline_always,
+        reason = "a call in a vectorised loop would lose the vector units"
+    )]
     pub fn rates(&self, u: f64, ta_i: f64, ta: f64) -> [f64; 2] {
         let Self { c_0, x_1, x_2, x_3, sigma, .. } = *self;
         let v = self.normalised_potential(u);
         // (34) k(V) = exp(-((V - 1) / sigma)^2 / 2) / (sigma sqrt(2 pi))
         let z = (v - 1.0) / sigma;
-        let k = (-0.5 * z * z).exp() / (sigma * (2.0 * PI).sqrt());
+        let k = exponential::exp(-0.5 * z * z) / (sigma * (2.0 * PI).sqrt());
         // (35) epsilon_1 = x_1 if V > x_2 and Ta_i < x_3, else c_0
         let epsilon_1 = if v > x_2 && ta_i < x_3 { x_1 } else { c_0 };
         // (32) d(Ta_i)/dt = c_0 (k(V) - Ta_i)

@@ -150,7 +150,7 @@ fn reach(
 }
 
 /// Returns the bounds of one default beat at a stretch.
-fn strongest(
+pub(super) fn strongest(
     model: &Arc<dyn CellModel>,
     settings: SolverSettings,
     scale: f64,

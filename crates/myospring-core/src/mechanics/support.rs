@@ -8,12 +8,13 @@
 //!   (isometric when both).
 //! - [`SupportKind::AfterloadedEnds`]: clamped ends, one of which leaves its stop under a constant
 //!   load ([`super::loaded_end`]).
-//! - [`SupportKind::SpringHeldEnds`], [`SupportKind::ElasticBed`]: springs hold the cell, which are
+//! - [`SupportKind::SpringHeldEnds`], [`SupportKind::Posts`], [`SupportKind::ElasticBed`]: springs hold the cell, which are
 //!   forces with an energy ([`super::anchor`]); no node is constrained.
 //! - [`SupportKind::Gel`]: an elastic gel, likewise ([`super::gel`]).
 
 use super::anchor::Anchors;
 use super::gel::Gel;
+use super::post::Post;
 use super::vectors::Vectors;
 use crate::mesh::Mesh;
 use crate::mesh::ends::end_nodes;
@@ -34,6 +35,8 @@ pub enum SupportKind {
         /// Stiffness of each of the two springs, nN/um.
         stiffness: f64,
     },
+    /// A flexible post at either end, as of a strip of tissue: an auxotonic contraction.
+    Posts(Post),
     /// Both ends are gripped: an afterloaded contraction, as with a force clamp. Once the cell
     /// pulls harder than a constant load, it shortens against the load (isotonic), until it has
     /// relengthened to the stop of the grips. Only along equilibria.
@@ -71,13 +74,19 @@ impl SupportKind {
     pub fn holds_both_ends(self) -> bool {
         matches!(
             self,
-            Self::ClampedEnds | Self::AfterloadedEnds { .. } | Self::SpringHeldEnds { .. }
+            Self::ClampedEnds
+                | Self::AfterloadedEnds { .. }
+                | Self::SpringHeldEnds { .. }
+                | Self::Posts(_)
         )
     }
 
     /// Whether what holds the cell gives way.
     pub fn gives_way(self) -> bool {
-        matches!(self, Self::SpringHeldEnds { .. } | Self::ElasticBed { .. } | Self::Gel(_))
+        matches!(
+            self,
+            Self::SpringHeldEnds { .. } | Self::Posts(_) | Self::ElasticBed { .. } | Self::Gel(_)
+        )
     }
 
     /// Whether one end or both are clamped; clamped parts do not change length.
@@ -100,6 +109,7 @@ impl SupportKind {
             Self::SpringHeldEnds { stiffness } => {
                 Some(Anchors::spring_held_ends(mesh, axis, stiffness))
             }
+            Self::Posts(post) => Some(Anchors::spring_held_ends(mesh, axis, post.stiffness())),
             Self::ElasticBed { stiffness } => Some(Anchors::elastic_bed(mesh, stiffness)),
         }
     }
@@ -128,6 +138,7 @@ impl Support {
         match kind {
             SupportKind::MassCentre => Self::MassCentre,
             SupportKind::SpringHeldEnds { .. }
+            | SupportKind::Posts(_)
             | SupportKind::ElasticBed { .. }
             | SupportKind::Gel(_) => Self::Free,
             SupportKind::ClampedEnd => Self::Clamped(lower),

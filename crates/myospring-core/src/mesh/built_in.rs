@@ -1,4 +1,4 @@
-//! Built-in cells, drawn by hand with typical sizes.
+//! Built-in cells, drawn by hand with typical sizes, and pieces of tissue.
 //!
 //! To add one: put its outline beside the others in `cells/` and add a line to [`CELLS`].
 
@@ -14,6 +14,8 @@ pub struct BuiltIn {
     pub about: &'static str,
     /// Its outline, GeoJSON in um.
     pub geojson: &'static str,
+    /// Whether it is a piece of tissue, of many cells.
+    pub is_tissue: bool,
 }
 
 /// All built-in cells.
@@ -22,11 +24,25 @@ pub const CELLS: &[BuiltIn] = &[
         name: "adult_ventricular",
         about: "adult left ventricular myocyte, 140 x 21 um, with stepped ends",
         geojson: include_str!("../../cells/adult_ventricular.geojson"),
+        is_tissue: false,
     },
     BuiltIn {
         name: "hipsc_derived",
         about: "myocyte derived from human stem cells on a strip of matrix, 58 x 14 um",
         geojson: include_str!("../../cells/hipsc_derived.geojson"),
+        is_tissue: false,
+    },
+    BuiltIn {
+        name: "tissue_strip",
+        about: "strip of tissue, 8 x 1.5 mm, as between two posts",
+        geojson: include_str!("../../cells/tissue_strip.geojson"),
+        is_tissue: true,
+    },
+    BuiltIn {
+        name: "tissue_sheet",
+        about: "square sheet of tissue, 10 x 10 mm",
+        geojson: include_str!("../../cells/tissue_sheet.geojson"),
+        is_tissue: true,
     },
 ];
 

@@ -6,6 +6,7 @@ use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::gel::{Gel, GelError};
 use crate::mechanics::material::Stiffness;
+use crate::mechanics::post::Post;
 use crate::mechanics::support::SupportKind;
 use crate::mesh::thick::Thick;
 use std::sync::Arc;
@@ -174,7 +175,7 @@ impl Simulation {
             return matches!(activation.sites(), Sites::PerElement(_));
         }
         let each_feels = self.stretch_felt == StretchFelt::Triangle && self.cell.feels_stretch();
-        each_feels || self.wave_speed.is_some()
+        each_feels || self.wave_speed.is_some() || self.tissue.is_some()
     }
 
     /// Checks every setting.
@@ -260,6 +261,7 @@ impl Simulation {
             SupportKind::SpringHeldEnds { stiffness } => {
                 value("the stiffness of the ends", stiffness, "nN/um", true)
             }
+            SupportKind::Posts(post) => Self::check_post(post),
             SupportKind::ElasticBed { stiffness } => {
                 value("the stiffness of the bed", stiffness, "kPa/um", true)
             }
@@ -267,6 +269,21 @@ impl Simulation {
             SupportKind::Gel(gel) => self.check_gel(gel),
             SupportKind::MassCentre | SupportKind::ClampedEnd | SupportKind::ClampedEnds => Ok(()),
         }
+    }
+
+    fn check_post(post: Post) -> Checked {
+        let Post { length, load_height, width, thickness, modulus } = post;
+        value("the post length", length, "um", true)?;
+        value("the post width", width, "um", true)?;
+        value("the post thickness", thickness.unwrap_or(width), "um", true)?;
+        value("Young's modulus of the posts", modulus, "kPa", true)?;
+        let height = load_height.unwrap_or(length);
+        value("the post load height", height, "um", true)?;
+        if height > length {
+            let (what, must) = ("the post load height", "at most the post length");
+            return Err(SettingError::Value { what, value: height, unit: "um", must });
+        }
+        Ok(())
     }
 
     fn check_gel(&self, gel: Gel) -> Checked {
@@ -386,6 +403,7 @@ impl Simulation {
         if let Some(speed) = self.wave_speed {
             value("the speed of the wave", speed, "um/ms", true)?;
         }
+        self.check_tissue()?;
         let field = self.has_field()?;
         if self.active == ActiveLaw::Ends && self.myofibril_content.is_some() {
             let because = "loads on the ends know no triangles; take the fibre law";
@@ -400,6 +418,27 @@ impl Simulation {
             self.check_retardation(field)?;
         }
         self.check_engine()
+    }
+
+    /// What a tissue cannot have.
+    fn check_tissue(&self) -> Checked {
+        if self.tissue.is_none() {
+            return Ok(());
+        }
+        if self.wave_speed.is_some() {
+            let because = "the wave of a tissue has the speed that its cells give it; leave out the speed of the wave";
+            return conflict("a speed of the wave", "a tissue", because);
+        }
+        if self.thick.is_some() {
+            let because = "a tissue is a flat sheet; leave out its profile, and give its thickness as that of the material";
+            return conflict("a thickness in space", "a tissue", because);
+        }
+        if self.resting_stretch.is_some() {
+            let because =
+                "the cells of a tissue do not feel stretch; leave out the length of the sarcomeres";
+            return conflict("a stretch at rest", "a tissue", because);
+        }
+        Ok(())
     }
 
     /// Whether all is there that a thick cell needs, and nothing that only a flat one has.

@@ -8,7 +8,7 @@ use super::{Simulation, StopReason};
 use crate::cell::Output;
 use crate::exchange::Activation;
 use crate::mechanics::{Vectors, zeros};
-use crate::recording::{Frame, Recording, Sample, Signal};
+use crate::recording::{Frame, Recording, Sample, Signal, Wave};
 
 /// The recorded quantities of a shape; units as in [`Sample`].
 #[derive(Debug, Clone, PartialEq)]
@@ -115,7 +115,11 @@ where
             }
             observer.begins(RunPart::Recording);
             let tension = meeting.tension.average(&self.volumes);
-            let snapshot = || self.shown(time, tension, meeting.tension.by_element(), shaping);
+            let snapshot = || {
+                let (frame, in_space) =
+                    self.shown(time, tension, meeting.tension.by_element(), shaping);
+                (Frame { potential_mv: meeting.activation.potentials_mv(), ..frame }, in_space)
+            };
             if index % per_sample == 0 {
                 let observed = shaping.observe();
                 recording.samples.push(self.sample(time, &*meeting.activation, tension, &observed));
@@ -137,6 +141,15 @@ where
                 break;
             }
         }
+        recording.wave = meeting.activation.local_beats().map(|beats| {
+            let mesh = &self.simulation.mesh;
+            Wave {
+                points: mesh.points.clone(),
+                triangles: mesh.simplices.iter().map(|triangle| triangle.nodes).collect(),
+                beats: beats.to_vec(),
+                tips: meeting.activation.wave_tips().to_vec(),
+            }
+        });
         // The shape at the peak of tension is always recorded, whatever the frame interval.
         if let Some((frame, in_space)) = strongest {
             let place = recording.frames.partition_point(|other| other.t_ms < frame.t_ms);
@@ -161,18 +174,14 @@ where
         let (simulation, positions) = (&self.simulation, shaping.positions());
         let on_gel = self.on_gel(shaping);
         let in_space = simulation.with_three_axes(&positions).map(|positions| Frame {
-            t_ms: time,
-            ta_kpa: tension,
             ta_by_triangle_kpa: by_element.map(<[f64]>::to_vec),
             on_gel_nn: on_gel.as_ref().and_then(|pulls| simulation.with_three_axes(pulls)),
-            positions,
+            ..Frame::new(time, tension, positions)
         });
         let frame = Frame {
-            t_ms: time,
-            ta_kpa: tension,
             ta_by_triangle_kpa: by_element.map(|tension| simulation.by_triangle(tension)),
             on_gel_nn: on_gel.map(|pulls| simulation.added_from_above(pulls)),
-            positions: simulation.seen_from_above(&positions).into_owned(),
+            ..Frame::new(time, tension, simulation.seen_from_above(&positions).into_owned())
         };
         (frame, in_space)
     }

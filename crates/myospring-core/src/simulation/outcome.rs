@@ -2,6 +2,7 @@
 
 use super::StopReason;
 use crate::analysis::beats::Beats;
+use crate::analysis::wave::WaveMap;
 use crate::integrate::engine::EngineUsed;
 use crate::recording::Recording;
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,14 @@ impl Outcome {
     /// the energy balance, and bands of measured cells.
     pub fn beats(&self) -> Beats {
         Beats::of(&self.recording, &self.stimulus_times_ms, self.s2_ms)
+    }
+
+    /// How the beat that represents the run spread over a tissue; `None` of a single cell.
+    pub fn wave_map(&self) -> Option<WaveMap> {
+        let wave = self.recording.wave.as_ref()?;
+        let stimulus_ms = self.beats().usual()?.stimulus_ms;
+        let next_ms = self.stimulus_times_ms.iter().copied().find(|time| *time > stimulus_ms);
+        Some(WaveMap::of(wave, [stimulus_ms, next_ms.unwrap_or(f64::INFINITY)]))
     }
 }
 

@@ -9,7 +9,9 @@ use crate::analysis::shape::{self, Extent, ShapeMeter};
 use crate::cell::pacing::Protocol;
 use crate::cell::solve::SolveError;
 use crate::cell::{self, TensionKind};
-use crate::exchange::{Activation, ActivationBounds, ByTriangle, Sites, WholeCell};
+use crate::exchange::{
+    Activation, ActivationBounds, ByTriangle, Coupling, Sites, Tissue, TissueCells, WholeCell,
+};
 use crate::integrate::quasi_static::{Path, Tolerance};
 use crate::mechanics::active::FibreStretch;
 use crate::mechanics::loaded_end::LoadedEnd;
@@ -135,6 +137,9 @@ impl Simulation {
         let model = self.cell.clone();
         let settings = self.numerics.cell;
         let start = self.start_state.as_deref();
+        if let Some(coupling) = &self.tissue {
+            return Ok((Box::new(self.coupled(coupling, scale)?), relative));
+        }
         let resting = self.resting_stretch.as_deref().map(|stretch| self.by_simplex(stretch));
         if self.has_sites_in_triangles() {
             let protocols = self.protocols::<D, N>();
@@ -155,6 +160,50 @@ impl Simulation {
         let cell = WholeCell::new(model, start, self.protocol, settings, scale, strongest);
         let cell = cell.map_err(failed)?.at_resting_stretch(resting);
         Ok((Box::new(cell.along(&known.course)), relative))
+    }
+
+    /// The cells of a tissue, whose potentials at both ends and in the middle of the long axis are outputs.
+    fn coupled(&self, coupling: &Coupling, scale: f64) -> Result<Tissue, SetupError> {
+        let Self { mesh, long_axis, fibres, .. } = self;
+        let protocols = coupling.protocols(mesh, *long_axis, self.protocol);
+        let cells = TissueCells {
+            model: self.cell.clone(),
+            state: self.start_state.as_deref(),
+            protocols: &protocols,
+            settings: self.numerics.cell,
+            scale,
+        };
+        let tissue = Tissue::new(mesh, fibres, &coupling.conduction, cells);
+        let tissue = tissue.map_err(|error| SetupError::CellModel {
+            model: self.cell.name().to_owned(),
+            cause: error.to_string(),
+        })?;
+        let middle = [0, 1].map(|axis: usize| {
+            let points = &mesh.points[axis];
+            points.iter().sum::<f64>() / points.len() as f64
+        });
+        let along = |node: usize| {
+            let [x, y] = mesh.point(node);
+            (x - middle[0]) * long_axis[0] + (y - middle[1]) * long_axis[1]
+        };
+        let beside = |node: usize| {
+            let [x, y] = mesh.point(node);
+            ((y - middle[1]) * long_axis[0] - (x - middle[0]) * long_axis[1]).abs()
+        };
+        let [low, high] = (0..mesh.len())
+            .map(along)
+            .fold([0.0_f64; 2], |[low, high], at| [low.min(at), high.max(at)]);
+        let nearest = |to: f64| {
+            let away = |node: &usize| (along(*node) - to).hypot(beside(*node));
+            (0..mesh.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or_default()
+        };
+        let probes = [("potential_start", low), ("potential_middle", 0.0), ("potential_end", high)];
+        let probes = probes.map(|(name, place)| (name, nearest(place))).to_vec();
+        let tissue = tissue.with_outputs(probes, self.protocol.s2_ms());
+        Ok(match coupling.stretch_current {
+            Some(current) => tissue.with_stretch_current(current),
+            None => tissue,
+        })
     }
 
     /// The protocol of each triangle: if the stimulus travels, it starts when it arrives.

@@ -12,7 +12,7 @@ const PAD: usize = 2;
 
 /// Coefficients of cubic B-splines, one for each pixel and two beyond each rim.
 #[derive(Debug, Clone)]
-pub(super) struct Spline {
+pub(crate) struct Spline {
     width: usize,
     height: usize,
     stride: usize,
@@ -21,7 +21,7 @@ pub(super) struct Spline {
 
 impl Spline {
     /// The spline through the pixels of a plane, minus its mean.
-    pub(super) fn of(plane: &Plane) -> Self {
+    pub(crate) fn of(plane: &Plane) -> Self {
         let (width, height) = (plane.width(), plane.height());
         let values = plane.values();
         let mean = values.iter().map(|&value| f64::from(value)).sum::<f64>() / values.len() as f64;
@@ -61,14 +61,14 @@ impl Spline {
         }
     }
 
-    pub(super) fn size(&self) -> [usize; 2] {
+    pub(crate) fn size(&self) -> [usize; 2] {
         [self.width, self.height]
     }
 
     /// The values at eight positions, in pixels from the centre of the first pixel; NaN outside the
     /// centres of the outermost pixels.
     #[inline(always)]
-    pub(super) fn at_eight(&self, xs: &[f32; 8], ys: &[f32; 8]) -> [f32; 8] {
+    pub(crate) fn at_eight(&self, xs: &[f32; 8], ys: &[f32; 8]) -> [f32; 8] {
         let [right, bottom] = [self.width, self.height].map(|count| (count - 1) as f32);
         // Index of the first of the sixteen coefficients of each position, and the fractional
         // distance past the second.
@@ -111,7 +111,7 @@ impl Spline {
     }
 
     /// Value and slopes at the centre of a pixel.
-    pub(super) fn at_pixel(&self, column: usize, row: usize) -> [f32; 3] {
+    pub(crate) fn at_pixel(&self, column: usize, row: usize) -> [f32; 3] {
         let level = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
         let slope = [-0.5, 0.0, 0.5];
         let first = (row + PAD - 1) * self.stride + column + PAD - 1;

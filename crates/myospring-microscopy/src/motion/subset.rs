@@ -1,6 +1,6 @@
 //! Matching one subset of the picture at rest in another frame: inverse-compositional Gauss-Newton
 //! on the zero-normalised sum of squared differences, with translation and gradients free
-//! (`baker_matthews_2004`, `pan_2013`).
+//! (`baker_matthews_2004`, `pan_2013`), or translation alone.
 #![allow(clippy::inline_always, reason = "code dispatched to wider vectors must be inlined")]
 
 use super::spline::Spline;
@@ -29,20 +29,20 @@ const STRANDS: usize = 8;
 
 /// Motion of a subset: `x + d` moves to `x + d + shift + gradient d`, pixels, y downward.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Warp {
-    pub(super) shift: [f32; 2],
+pub(crate) struct Warp {
+    pub(crate) shift: [f32; 2],
     /// `gradient[a][b]` is the slope of shift `a` along axis `b`.
-    pub(super) gradient: [[f32; 2]; 2],
+    pub(crate) gradient: [[f32; 2]; 2],
 }
 
 impl Warp {
     /// The shift at a distance from the middle.
-    pub(super) fn at(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+    pub(crate) fn at(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         [0, 1].map(|a: usize| self.shift[a] + self.gradient[a][0] * x + self.gradient[a][1] * y)
     }
 
     /// The warp with its shift in other pixels.
-    pub(super) fn scaled(&self, factor: f32) -> Self {
+    pub(crate) fn scaled(&self, factor: f32) -> Self {
         Self { shift: self.shift.map(|shift| factor * shift), ..*self }
     }
 
@@ -72,10 +72,10 @@ impl Warp {
 
 /// Where a subset was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Found {
-    pub(super) warp: Warp,
+pub(crate) struct Found {
+    pub(crate) warp: Warp,
     /// Zero-normalised cross-correlation, -1 to 1.
-    pub(super) correlation: f32,
+    pub(crate) correlation: f32,
 }
 
 /// A search for the processor's widest vectors. A closure would not do: the call of one is compiled on its own, without them.
@@ -95,9 +95,54 @@ impl pulp::WithSimd for Search<'_> {
     }
 }
 
+/// Pixels of the picture at rest.
+struct Pixels {
+    /// Distances from the middle.
+    x: Vec<f32>,
+    y: Vec<f32>,
+    /// Grey values and their slopes along both axes.
+    values: [Vec<f32>; 3],
+}
+
+impl Pixels {
+    /// The pixels of a square that are taken.
+    fn of(
+        rest: &Spline,
+        middle: [f32; 2],
+        half: usize,
+        is_taken: impl Fn(usize, usize) -> bool,
+    ) -> Self {
+        let [width, height] = rest.size();
+        let [column, row] = middle.map(|place| place as usize);
+        let mut found = Self { x: Vec::new(), y: Vec::new(), values: Default::default() };
+        for r in row.saturating_sub(half)..(row + half + 1).min(height) {
+            for c in column.saturating_sub(half)..(column + half + 1).min(width) {
+                if is_taken(c, r) {
+                    found.x.push(c as f32 - middle[0]);
+                    found.y.push(r as f32 - middle[1]);
+                    for (into, value) in found.values.iter_mut().zip(rest.at_pixel(c, r)) {
+                        into.push(value);
+                    }
+                }
+            }
+        }
+        found
+    }
+}
+
+/// The pixel nearest to a point, if it is within the picture.
+fn pixel_at(point: [f32; 2], [width, height]: [usize; 2]) -> Option<[f32; 2]> {
+    let middle = point.map(f32::round);
+    let within = middle[0] >= 0.0
+        && middle[1] >= 0.0
+        && middle[0] < width as f32
+        && middle[1] < height as f32;
+    within.then_some(middle)
+}
+
 /// The pixels around a point at rest.
 #[derive(Debug, Clone)]
-pub(super) struct Subset {
+pub(crate) struct Subset {
     /// Pixel at the centre.
     centre: [f32; 2],
     /// From that pixel to the point.
@@ -114,17 +159,16 @@ pub(super) struct Subset {
     inverse: [[f32; 6]; 6],
     half: f32,
     /// Standard error of the shift in its worst direction per standard deviation of the noise, pixels per grey level.
-    pub(super) sensitivity: f32,
+    pub(crate) sensitivity: f32,
     /// A search ends when its step moves no pixel by more than this, pixels.
     small_step: f32,
     /// Variance of the grey values.
-    pub(super) variance: f32,
+    pub(crate) variance: f32,
 }
 
 impl Subset {
-    /// The allowed pixels of a square around a point; `None` if they are too few or have no
-    /// contrast.
-    pub(super) fn new(
+    /// The allowed pixels of a square around a point, with gradients free; `None` if they are too few or have no contrast.
+    pub(crate) fn new(
         rest: &Spline,
         point: [f32; 2],
         half: usize,
@@ -132,36 +176,59 @@ impl Subset {
         noise: f32,
     ) -> Option<Self> {
         let [width, height] = rest.size();
-        let middle = [0, 1].map(|a: usize| point[a].round());
-        let within = middle[0] >= 0.0
-            && middle[1] >= 0.0
-            && middle[0] < width as f32
-            && middle[1] < height as f32;
-        if !within {
-            return None;
-        }
+        let middle = pixel_at(point, [width, height])?;
         let [column, row] = middle.map(|place| place as usize);
-        let (mut x, mut y) = (Vec::new(), Vec::new());
-        let mut values: [Vec<f32>; 3] = Default::default();
         // As on a chessboard: after the blur, the other pixels add no information.
         let thin = (2 * half + 1).pow(2) > DENSE;
-        for r in row.saturating_sub(half)..(row + half + 1).min(height) {
-            for c in column.saturating_sub(half)..(column + half + 1).min(width) {
-                if allowed[r * width + c] && !(thin && (r + c + row + column) % 2 == 1) {
-                    x.push(c as f32 - middle[0]);
-                    y.push(r as f32 - middle[1]);
-                    for (into, value) in values.iter_mut().zip(rest.at_pixel(c, r)) {
-                        into.push(value);
-                    }
-                }
-            }
-        }
-        let count = x.len();
-        let pixels = (2 * half + 1).pow(2) / if thin { 2 } else { 1 };
-        if count < FEWEST.max(pixels / 4) {
+        let is_taken = |c: usize, r: usize| {
+            allowed[r * width + c] && !(thin && (r + c + row + column) % 2 == 1)
+        };
+        let pixels = Pixels::of(rest, middle, half, is_taken);
+        let whole = (2 * half + 1).pow(2) / if thin { 2 } else { 1 };
+        if pixels.x.len() < FEWEST.max(whole / 4) {
             return None;
         }
-        let [mut grey, mut slope_x, mut slope_y] = values;
+        Self::of(pixels, point, middle, half, noise, |gx, gy, dx, dy| {
+            [gx, gx * dx, gx * dy, gy, gy * dx, gy * dy]
+        })
+    }
+
+    /// The pixels around a point that are `inside` a body, which gets their distances from the point; the body is rigid and does
+    /// not turn, so gradients stay 0. `half` is the largest of these distances along an axis, rounded up. `None` if the pixels
+    /// are too few or have no contrast.
+    pub(crate) fn rigid(
+        rest: &Spline,
+        point: [f32; 2],
+        half: usize,
+        inside: impl Fn([f32; 2]) -> bool,
+        noise: f32,
+    ) -> Option<Self> {
+        let middle = pixel_at(point, rest.size())?;
+        let is_taken = |c: usize, r: usize| inside([c as f32 - point[0], r as f32 - point[1]]);
+        let pixels = Pixels::of(rest, middle, half, is_taken);
+        if pixels.x.len() < FEWEST {
+            return None;
+        }
+        let mut subset = Self::of(pixels, point, middle, half, noise, |gx, gy, _, _| {
+            [gx, 0.0, 0.0, gy, 0.0, 0.0]
+        })?;
+        for gradient in [1, 2, 4, 5] {
+            subset.inverse[gradient] = [0.0; 6];
+        }
+        Some(subset)
+    }
+
+    /// Normalises the pixels. `descent` gives the derivatives of a grey value by the six unknowns, from its slopes and distances.
+    fn of(
+        pixels: Pixels,
+        point: [f32; 2],
+        middle: [f32; 2],
+        half: usize,
+        noise: f32,
+        descent: impl Fn(f64, f64, f64, f64) -> [f64; 6],
+    ) -> Option<Self> {
+        let Pixels { x, y, values: [mut grey, mut slope_x, mut slope_y] } = pixels;
+        let count = x.len();
         let mean = grey.iter().sum::<f32>() / count as f32;
         for value in &mut grey {
             *value -= mean;
@@ -178,11 +245,17 @@ impl Subset {
         let mut normal = [[0.0_f64; 6]; 6];
         for k in 0..count {
             let [gx, gy, dx, dy] = [slope_x[k], slope_y[k], x[k], y[k]].map(f64::from);
-            let descent = [gx, gx * dx, gx * dy, gy, gy * dx, gy * dy];
+            let descent = descent(gx, gy, dx, dy);
             for i in 0..6 {
                 for j in 0..6 {
                     normal[i][j] += descent[i] * descent[j];
                 }
+            }
+        }
+        for (i, row) in normal.iter_mut().enumerate() {
+            if row[i] == 0.0 {
+                // An unknown that is not free: any other number keeps the matrix regular.
+                row[i] = 1.0;
             }
         }
         let inverse = inverted(normal)?;
@@ -207,8 +280,13 @@ impl Subset {
         })
     }
 
+    /// Number of its pixels.
+    pub(crate) fn pixels(&self) -> usize {
+        self.x.len()
+    }
+
     /// Searches the subset from a start; `start` and the result are shifts of the point itself.
-    pub(super) fn find(&self, now: &Spline, start: &Warp, room: &mut Vec<f32>) -> Option<Found> {
+    pub(crate) fn find(&self, now: &Spline, start: &Warp, room: &mut Vec<f32>) -> Option<Found> {
         // Uses the widest vectors of the processor; the order of summation is always the same.
         pulp::Arch::new().dispatch(Search { subset: self, now, start, room })
     }

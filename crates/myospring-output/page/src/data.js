@@ -44,6 +44,7 @@ function bytes(text) {
  * @property {number} tension Active tension, kPa.
  * @property {Float32Array | null} stress Active stress of each square, kPa, where it differs.
  * @property {Float32Array | null} traction Traction of each square on the gel, Pa, x and y in turn, where there is one.
+ * @property {Float32Array | null} potential Membrane potential of each square, mV, where it differs.
  */
 
 /**
@@ -53,7 +54,7 @@ function bytes(text) {
  * @returns {Shape}
  */
 export function blankShape(shapes) {
-  return { points: new Float32Array(shapes.rest.length), tension: 0, stress: null, traction: null };
+  return { points: new Float32Array(shapes.rest.length), tension: 0, stress: null, traction: null, potential: null };
 }
 
 /**
@@ -100,6 +101,7 @@ export function recordedShapes(cell) {
   const moved = new Int16Array(bytes(cell.frames.displacement));
   const stress = cell.frames.stress === null ? null : new Uint16Array(bytes(cell.frames.stress));
   const traction = cell.frames.traction === null ? null : new Int16Array(bytes(cell.frames.traction));
+  const potential = cell.frames.potential === null ? null : new Int16Array(bytes(cell.frames.potential));
   const squares = corners.length / 4;
   const count = rest.length;
 
@@ -137,6 +139,9 @@ export function recordedShapes(cell) {
       if (stress !== null) shape.stress = between(stress, stressStep, shape.stress ?? new Float32Array(squares));
       if (traction !== null) {
         shape.traction = between(traction, cell.frames.traction_step_pa, shape.traction ?? new Float32Array(2 * squares));
+      }
+      if (potential !== null) {
+        shape.potential = between(potential, cell.frames.potential_step_mv, shape.potential ?? new Float32Array(squares));
       }
     },
   };

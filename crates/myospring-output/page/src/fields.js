@@ -78,6 +78,9 @@ export function fillField(key, shapes, shape, values) {
         values[square] =
           shape.traction === null ? 0 : Math.hypot(shape.traction[2 * square], shape.traction[2 * square + 1]);
         break;
+      case "potential":
+        values[square] = shape.potential === null ? 0 : shape.potential[square];
+        break;
       case "displacement": {
         let sum = 0;
         for (let corner = 4 * square; corner < 4 * square + 4; corner++) {

@@ -248,6 +248,9 @@ export interface Frames {
   /** Traction on the gel of each square in each frame, x and y in turn, in steps of `traction_step_pa`. i16. */
   traction: Packed | null;
   traction_step_pa: number;
+  /** Membrane potential of each square in each frame, in steps of `potential_step_mv`, where it differs. i16. */
+  potential: Packed | null;
+  potential_step_mv: number;
 }
 
 /** What the cell can be coloured by. */
@@ -273,7 +276,8 @@ export type FieldKey =
   | "volume-ratio"
   | "active-stress"
   | "displacement"
-  | "traction";
+  | "traction"
+  | "potential";
 
 export interface Picture {
   /** `data:image/png;base64,...` */

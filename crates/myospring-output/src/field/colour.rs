@@ -59,6 +59,8 @@ fn along(map: &[[u8; 3]], part: f64) -> [u8; 3] {
 pub struct ColourScale {
     field: Field,
     limits: [f64; 2],
+    /// The value that is light.
+    light: f64,
 }
 
 impl ColourScale {
@@ -73,7 +75,13 @@ impl ColourScale {
     /// assert_eq!(scale.steps(2), [scale.colour(-12.0), scale.colour(3.0)]);
     /// ```
     pub fn new(field: Field, limits: [f64; 2]) -> Self {
-        Self { field, limits }
+        Self { field, limits, light: field.at_rest() }
+    }
+
+    /// The same with another value that is light than the field at rest.
+    #[must_use]
+    pub fn light_at(self, light: f64) -> Self {
+        Self { light, ..self }
     }
 
     /// The field.
@@ -90,7 +98,7 @@ impl ColourScale {
     /// for values that are not finite that of rest.
     pub fn colour(&self, value: f64) -> [u8; 3] {
         let [low, high] = self.limits;
-        let rest = self.field.at_rest();
+        let rest = self.light;
         let reach = (high - rest).max(rest - low);
         let away = if value.is_finite() { value.min(high).max(low) - rest } else { 0.0 };
         let relative = if reach > 0.0 { away / reach } else { 0.0 };

@@ -99,7 +99,7 @@ impl<'a, const D: usize, const N: usize> Fields<'a, D, N> {
     /// let fields = Fields::new(&mesh, &vec![[1.0, 0.0]; mesh.simplices.len()], None)?;
     /// let x = mesh.points[0].iter().map(|x| 0.88 * x).collect();
     /// let y = mesh.points[1].iter().map(|y| 1.05 * y).collect();
-    /// let peak = Frame { t_ms: 171.0, ta_kpa: 50.0, ta_by_triangle_kpa: None, on_gel_nn: None, positions: [x, y] };
+    /// let peak = Frame::new(171.0, 50.0, [x, y]);
     /// for (field, value) in [(Field::FibreStrain, -12.0), (Field::CrossStrain, 5.0), (Field::AreaRatio, 0.924)] {
     ///     assert!(fields.on_triangles(field, &peak).iter().all(|found| (found - value).abs() < 1e-12));
     /// }
@@ -138,8 +138,8 @@ impl<'a, const D: usize, const N: usize> Fields<'a, D, N> {
         self.mesh
     }
 
-    /// The value in each triangle or tetrahedron, in the field's unit; for displacement and traction,
-    /// the mean over the corners.
+    /// The value in each triangle or tetrahedron, in the field's unit; for displacement, traction
+    /// and potential, the mean over the corners.
     ///
     /// # Panics
     /// If the frame is one of another mesh.
@@ -169,7 +169,7 @@ impl<'a, const D: usize, const N: usize> Fields<'a, D, N> {
                 }
                 stress
             }
-            Field::Displacement | Field::Traction => {
+            Field::Displacement | Field::Traction | Field::Potential => {
                 let way = self.on_nodes(field, frame);
                 let mean = |simplex: &Simplex<N>| {
                     simplex.nodes.iter().map(|&node| way[node as usize]).sum::<f64>() / N as f64
@@ -199,7 +199,7 @@ impl<'a, const D: usize, const N: usize> Fields<'a, D, N> {
         pairs.map(of).collect()
     }
 
-    /// The value at each node: for displacement and traction its own, else the mean over adjacent
+    /// The value at each node: for displacement, traction and potential its own, else the mean over adjacent
     /// triangles or tetrahedra, weighted by area or volume.
     ///
     /// # Panics
@@ -221,6 +221,10 @@ impl<'a, const D: usize, const N: usize> Fields<'a, D, N> {
                 1000.0 * force / area
             };
             return self.mesh.areas.iter().enumerate().map(of).collect();
+        }
+        if field == Field::Potential {
+            let potentials = frame.potential_mv.clone();
+            return potentials.unwrap_or_else(|| vec![field.at_rest(); self.mesh.len()]);
         }
         self.averaged(field.at_rest(), &self.on_triangles(field, frame))
     }
@@ -306,13 +310,7 @@ mod tests {
     fn moved(mesh: &Mesh, map: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
         let both = mesh.points[0].iter().zip(&mesh.points[1]).map(|(&x, &y)| map(x, y));
         let (xs, ys) = both.map(|[x, y]| (x, y)).unzip();
-        Frame {
-            t_ms: 0.0,
-            ta_kpa: 30.0,
-            ta_by_triangle_kpa: None,
-            on_gel_nn: None,
-            positions: [xs, ys],
-        }
+        Frame::new(0.0, 30.0, [xs, ys])
     }
 
     fn close(found: &[f64], wanted: f64) {
@@ -362,8 +360,7 @@ mod tests {
         };
         let positions =
             [0, 1, 2].map(|axis: usize| (0..mesh.len()).map(|n| place(n)[axis]).collect());
-        let frame =
-            Frame { t_ms: 0.0, ta_kpa: 30.0, ta_by_triangle_kpa: None, on_gel_nn: None, positions };
+        let frame = Frame::new(0.0, 30.0, positions);
         let volume = stretches.iter().product::<f64>();
         // Along an axis, and askew: |cof(F) f| of a diagonal F has the products of the other two.
         for fibre in [[1.0, 0.0, 0.0], [0.0, 0.0, -2.0], [0.36, 0.48, 0.8]] {

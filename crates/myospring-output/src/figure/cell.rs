@@ -66,13 +66,7 @@ impl<'a> DrawnCell<'a> {
     /// Checks that positions fit the mesh and are finite.
     pub(super) fn check(&self, positions: &[Vec<f64>; 2]) -> Result<(), FigureError> {
         let positions = positions.clone();
-        let frame = Frame {
-            t_ms: f64::NAN,
-            ta_kpa: f64::NAN,
-            ta_by_triangle_kpa: None,
-            on_gel_nn: None,
-            positions,
-        };
+        let frame = Frame::new(f64::NAN, f64::NAN, positions);
         check_frame(self.mesh(), &frame)
     }
 

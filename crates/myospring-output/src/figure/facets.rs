@@ -159,13 +159,7 @@ mod tests {
     fn moved(mesh: &Mesh, map: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
         let both = mesh.points[0].iter().zip(&mesh.points[1]).map(|(&x, &y)| map(x, y));
         let (xs, ys) = both.map(|[x, y]| (x, y)).unzip();
-        Frame {
-            t_ms: 0.0,
-            ta_kpa: 0.0,
-            ta_by_triangle_kpa: None,
-            on_gel_nn: None,
-            positions: [xs, ys],
-        }
+        Frame::new(0.0, 0.0, [xs, ys])
     }
 
     #[test]

@@ -121,6 +121,11 @@ impl<'a> BeatFilm<'a> {
                 .as_ref()
                 .zip(next.on_gel_nn.as_ref())
                 .map(|(a, b)| [0, 1].map(|axis: usize| between(&a[axis], &b[axis]))),
+            potential_mv: last
+                .potential_mv
+                .as_ref()
+                .zip(next.potential_mv.as_ref())
+                .map(|(a, b)| between(a, b)),
             positions: [0, 1]
                 .map(|axis: usize| between(&last.positions[axis], &next.positions[axis])),
         }
@@ -181,7 +186,7 @@ impl<'a> BeatFilm<'a> {
         }
         let at = |[t, value]: [f64; 2]| {
             let part = (value - low) / (high - low).max(0.1);
-            [MARGIN + wide * (t - first) / (last - first), top + 6.0 + CURVE * (1.0 - part)]
+            [MARGIN + wide * (t - first) / (last - first), top + 16.0 + CURVE * (1.0 - part)]
         };
         // About one point per pixel.
         let every = (points.len() / wide as usize).max(1);
@@ -196,7 +201,7 @@ impl<'a> BeatFilm<'a> {
             if held { format!("tension {value} kPa") } else { format!("shortening {value} %") };
         let style = Style::new(TICK).anchor(Anchor::End).colour(MUTED);
         sheet.text([WIDTH - MARGIN, top + 10.0], &text, style);
-        top + CURVE + 10.0
+        top + CURVE + 20.0
     }
 
     /// A frame as red, green and blue of each pixel, row by row from the top left, and its size;

@@ -178,13 +178,7 @@ impl FilmFrames<'_> {
     /// Draws the simulated cell coloured by its strain, with its colours below.
     fn draw_cell(&self, sheet: &mut Sheet, panel: &Panel, frame: &ComparedFrame<'_>) {
         let cell = self.cell.clone().coloured_by(Field::FibreStrain);
-        let shape = Frame {
-            t_ms: frame.t_ms,
-            ta_kpa: f64::NAN,
-            ta_by_triangle_kpa: None,
-            on_gel_nn: None,
-            positions: frame.simulated.clone(),
-        };
+        let shape = Frame::new(frame.t_ms, f64::NAN, frame.simulated.clone());
         let colours = cell.colours([&shape]);
         let mut inside = Sheet::default();
         cell.fill(&mut inside, "fitted".to_owned(), &shape, &colours, |point| panel.at(point));

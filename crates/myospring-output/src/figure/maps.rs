@@ -25,7 +25,14 @@ pub struct Map<'a> {
     /// Relative standard deviation of the value at each point, if known; where it exceeds one half the
     /// map is hatched instead of coloured.
     pub doubts: Option<Vec<f64>>,
+    /// What is said of hatched places: [`NOT_KNOWN`] of doubts.
+    pub hatched: &'static str,
+    /// Places that are marked by dots, um, and what they are.
+    pub dots: Option<(Vec<[f64; 2]>, &'static str)>,
 }
+
+/// What is said of places whose value is doubtful.
+pub const NOT_KNOWN: &str = "not known";
 
 /// Relative standard deviation from which on a place is hatched.
 const DOUBTFUL: f64 = 0.5;
@@ -38,6 +45,8 @@ const BAR: f64 = 46.0;
 /// Height of the line below a map of several times, px, and of the highest of them.
 const NOTE: f64 = 24.0;
 const TALLEST: f64 = mm(60.0);
+/// Radius of a dot, px.
+const DOT: f64 = 1.2;
 /// Width of a colour bar, px.
 const BAR_WIDTH: f64 = 170.0;
 
@@ -46,8 +55,9 @@ impl Map<'_> {
         let values = self.values.iter().copied().filter(|value| value.is_finite());
         let widest = || values.fold([0.0_f64; 2], |[low, high], v| [low.min(v), high.max(v)]);
         let [low, high] = self.limits.unwrap_or_else(widest);
-        // A quantity with both signs has the colours of a strain: light at 0.
-        ColourScale::new(Field::FibreStrain, [low, high.max(low + 1e-9)])
+        // A quantity with both signs has the colours of a strain: light at 0; any other is light at the limit that is nearest to 0.
+        let high = high.max(low + 1e-9);
+        ColourScale::new(Field::FibreStrain, [low, high]).light_at(0.0_f64.clamp(low, high))
     }
 }
 
@@ -99,13 +109,20 @@ pub fn maps(
             cell.hatch_above(&mut sheet, &name, map.positions, (doubts, DOUBTFUL), at);
             if doubts.iter().any(|doubt| *doubt > DOUBTFUL) {
                 let style = Style::new(TICK).colour(MUTED).anchor(Anchor::End);
-                let words = "hatched: not known";
-                sheet.text([left + width, top + 11.0], words, style);
+                let words = format!("hatched: {}", map.hatched);
+                sheet.text([left + width, top + 11.0], &words, style);
             }
         }
         sheet.path(closed(&cell.rings(map.positions), at), Stroke::new(INK, 0.7));
         let rest = closed(&cell.rings(&cell.mesh().points), at);
         sheet.path(rest, Stroke::new(REST, 0.8).dash(2.5, 1.8));
+        if let Some((places, what)) = &map.dots {
+            for place in places {
+                sheet.point(at(*place), DOT, INK);
+            }
+            let style = Style::new(TICK).colour(MUTED);
+            sheet.text([left, top + HEAD + height + 13.0], &format!("dots: {what}"), style);
+        }
         let bar = BAR_WIDTH.min(width - 20.0);
         let corner = [left + width - bar - 10.0, top + HEAD + height + 18.0];
         let place = Area { corner, size: [bar, 8.0] };
@@ -182,8 +199,8 @@ pub fn map_series(
     draw_scale_bar(&mut sheet, [left + 4.0, top + HEAD + 58.0], scale, extent);
     let is_doubtful = |map: &Map<'_>| map.doubts.iter().flatten().any(|doubt| *doubt > DOUBTFUL);
     if maps.iter().any(is_doubtful) {
-        let words = "hatched: not known";
-        sheet.text([left + 4.0, top + HEAD + 82.0], words, Style::new(TICK).colour(MUTED));
+        let words = format!("hatched: {}", first.hatched);
+        sheet.text([left + 4.0, top + HEAD + 82.0], &words, Style::new(TICK).colour(MUTED));
     }
     let rows = (maps.len() + 1).div_ceil(columns) as f64;
     let bottom = above + rows * (HEAD + height + NOTE);

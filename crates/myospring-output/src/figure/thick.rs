@@ -123,7 +123,7 @@ const VIEWS: [View; 4] = [
 /// let cell = DrawnThickCell::new(Fields::new(&mesh, &fibres, None)?, [1.0, 0.0])?;
 /// let stretches = [0.88, 1.066, 1.066];
 /// let positions = [0, 1, 2].map(|axis: usize| mesh.points[axis].iter().map(|x| stretches[axis] * x).collect());
-/// let peak = Frame { t_ms: 171.0, ta_kpa: 50.0, ta_by_triangle_kpa: None, on_gel_nn: None, positions };
+/// let peak = Frame::new(171.0, 50.0, positions);
 /// let shape = Shape { name: "peak".to_owned(), frame: &peak, shortening_pct: Some(12.0) };
 /// assert!(thick_cell(&cell, &[shape])?.to_svg().contains("section across the middle"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -410,13 +410,7 @@ mod tests {
         let cell = DrawnThickCell::new(Fields::new(&mesh, &fibres, None).unwrap(), [1.0, 0.0]);
         let nothing = FigureError::Nothing { what: "frames" };
         assert_eq!(thick_cell(&cell.unwrap(), &[]).unwrap_err(), nothing);
-        let frame = Frame {
-            t_ms: 5.0,
-            ta_kpa: 0.0,
-            ta_by_triangle_kpa: None,
-            on_gel_nn: None,
-            positions: [vec![0.0], vec![0.0], vec![f64::NAN]],
-        };
+        let frame = Frame::new(5.0, 0.0, [vec![0.0], vec![0.0], vec![f64::NAN]]);
         let cell = DrawnThickCell::new(Fields::new(&mesh, &fibres, None).unwrap(), [1.0, 0.0]);
         let shape = Shape { name: String::new(), frame: &frame, shortening_pct: None };
         let error = thick_cell(&cell.unwrap(), &[shape]).unwrap_err();

@@ -87,19 +87,15 @@ struct Frames {
     stress_step_kpa: f64,
     traction: Option<String>,
     traction_step_pa: f64,
+    potential: Option<String>,
+    potential_step_mv: f64,
 }
 
 /// A cell on a page of `share` cells.
 pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>, PageError> {
     check_mesh(cell.mesh)?;
     let fields = Fields::new(cell.mesh, cell.fibres, cell.myofibril_content)?;
-    let at_rest = Frame {
-        t_ms: 0.0,
-        ta_kpa: 0.0,
-        ta_by_triangle_kpa: None,
-        on_gel_nn: None,
-        positions: cell.mesh.points.clone(),
-    };
+    let at_rest = Frame::new(0.0, 0.0, cell.mesh.points.clone());
     // The last frames of a run that failed may be invalid.
     let is_finite = |frame: &&Frame| frame.positions.iter().flatten().all(|x| x.is_finite());
     let mut all: Vec<&Frame> = cell.frames.iter().filter(is_finite).collect();
@@ -115,10 +111,11 @@ pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>
     let Fitted { drawn: display, kept, tolerance, .. } = small;
     let shown: Vec<&Frame> = kept.iter().map(|&at| all[at]).collect();
 
-    let stress = differs(cell).then(|| {
-        let of = |frame: &&Frame| display.means(&fields.on_triangles(Field::ActiveStress, frame));
+    let in_squares = |field: Field| {
+        let of = |frame: &&Frame| display.means(&fields.on_triangles(field, frame));
         shown.iter().flat_map(of).collect::<Vec<f64>>()
-    });
+    };
+    let stress = differs(cell).then(|| in_squares(Field::ActiveStress));
     let strongest = stress.iter().flatten().copied().fold(0.0, f64::max);
     let stress_step = (strongest / f64::from(u16::MAX)).max(1e-9);
     let stress = stress.map(|values| {
@@ -134,11 +131,9 @@ pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>
         });
         pairs.collect::<Vec<f64>>()
     });
-    let strongest = tractions.iter().flatten().fold(0.0_f64, |most, value| most.max(value.abs()));
-    let traction_step = (strongest / f64::from(i16::MAX)).max(1e-9);
-    let traction = tractions.map(|values| {
-        packed(values.iter().map(|value| ((value / traction_step).round() as i16).to_le_bytes()))
-    });
+    let (traction, traction_step) = signed(tractions);
+    let potentials = Field::Potential.is_known(&shown, cell.has_tension);
+    let (potential, potential_step) = signed(potentials.then(|| in_squares(Field::Potential)));
 
     let thick = cell.thick.as_ref().map(|thick| thick::of(thick, cell.has_tension, share));
     let picture = cell.picture.as_ref().map(|picture| photograph::of(picture, cell.outline));
@@ -160,12 +155,22 @@ pub(super) fn of<'a>(cell: &MovingCell<'a>, share: usize) -> Result<CellData<'a>
             stress_step_kpa: stress_step,
             traction,
             traction_step_pa: traction_step,
+            potential,
+            potential_step_mv: potential_step,
         },
         spacing_um: rounded(display.spacing),
         accuracy_um: rounded(tolerance + step),
         fields: fields::of(&fields, &display, &shown, cell.has_tension),
         thick: thick.transpose()?,
     })
+}
+
+/// Values of either sign, packed in 16 bits each, and their step.
+fn signed(values: Option<Vec<f64>>) -> (Option<String>, f64) {
+    let largest = values.iter().flatten().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let step = (largest / f64::from(i16::MAX)).max(1e-9);
+    let bytes = |value: &f64| ((value / step).round() as i16).to_le_bytes();
+    (values.map(|values| packed(values.iter().map(bytes))), step)
 }
 
 /// Squares and frames that fit into some bytes.
@@ -181,7 +186,8 @@ fn small(cell: &MovingCell<'_>, all: &[&Frame], budget: usize) -> Fitted<Display
         let on_gel = all.iter().all(|frame| frame.on_gel_nn.is_some());
         let bytes = 4 * display.rest.len()
             + if differs(cell) { 2 * display.corners.len() } else { 0 }
-            + if on_gel { 4 * display.corners.len() } else { 0 };
+            + if on_gel { 4 * display.corners.len() } else { 0 }
+            + if Field::Potential.is_known(all, false) { 2 * display.corners.len() } else { 0 };
         Candidate { points: display.rest.len(), bytes, displacements, drawn: display }
     })
 }

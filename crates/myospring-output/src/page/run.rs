@@ -111,9 +111,10 @@ impl<'a> PageRun<'a> {
         self.groups().into_iter().map(|(name, metrics)| (name, names(metrics))).collect()
     }
 
-    /// Whether something that is measured holds the cell: its ends, or a gel.
+    /// Whether it is no unloaded cell: something that is measured holds its ends, it is on a gel, or it is a tissue.
     pub(super) fn is_loaded(&self) -> bool {
-        self.summary.beats.first().is_some_and(|beat| !beat.load.is_empty())
+        self.recording.wave.is_some()
+            || self.summary.beats.first().is_some_and(|beat| !beat.load.is_empty())
     }
 
     /// A metric of the first beat that counts, or the mean over several; empty if the run does not

@@ -29,7 +29,7 @@ pub struct Difference {
 }
 
 /// Metrics that a person looks at first.
-const KEY: [&str; 7] = [
+const KEY: [&str; 10] = [
     "peak_shortening",
     "peak_lengthening",
     "time_to_peak_from_stimulus",
@@ -37,6 +37,9 @@ const KEY: [&str; 7] = [
     "maximum_shortening_rate",
     "peak_tension",
     "action_potential_duration_90",
+    "conduction_velocity",
+    "activation_time",
+    "local_action_potential_duration_90",
 ];
 /// Runs that have a tile for each metric, at most; more are a table.
 const TILED: usize = 3;

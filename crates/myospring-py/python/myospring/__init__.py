@@ -30,6 +30,7 @@ from myospring._presets import presets, simulate_preset
 from myospring._segment import SegmentedCell, Segmentation, segment
 from myospring._study import Index, Morris, Sobol, StudyResult, run_study
 from myospring._tension_map import TensionFrames, TensionMap, tension_map
+from myospring._tissue import Posts, TissueWaves, map_waves, track_posts
 from myospring._track import FilmCells, Motion, track
 from myospring._traction import Tractions, traction
 from myospring._whole_frame import WholeFrame, whole_frame
@@ -63,6 +64,7 @@ __all__ = [
     "PairedBeat",
     "PairedCurves",
     "Parameter",
+    "Posts",
     "Segmentation",
     "SegmentedCell",
     "SimulationError",
@@ -70,6 +72,7 @@ __all__ = [
     "StudyResult",
     "TensionFrames",
     "TensionMap",
+    "TissueWaves",
     "Tractions",
     "TriedModel",
     "UnknownNameError",
@@ -81,6 +84,7 @@ __all__ = [
     "compare",
     "fit",
     "fit_many",
+    "map_waves",
     "models",
     "parameters",
     "presets",
@@ -91,6 +95,7 @@ __all__ = [
     "tension_map",
     "simulate_preset",
     "track",
+    "track_posts",
     "traction",
     "whole_frame",
 ]

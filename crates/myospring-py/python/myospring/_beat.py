@@ -104,10 +104,43 @@ class Beat:
         return None if positions is None else _fixed(positions)
 
     @cached_property
+    def activation_ms(self) -> NDArray[np.float64] | None:
+        """When each place of a tissue was activated, ms after the stimulus, of shape (nodes,); NaN where it was not.
+
+        Of several beats it is the first that counts. A single cell has None.
+        """
+        activation = self._native.activation
+        return None if activation is None else _fixed(activation[0])
+
+    @cached_property
+    def local_action_potential_duration_90_ms(self) -> NDArray[np.float64] | None:
+        """Duration of the action potential of each place of a tissue, to 90 % repolarisation, ms, of shape (nodes,).
+
+        NaN where it is not known. A single cell has None.
+        """
+        activation = self._native.activation
+        return None if activation is None else _fixed(activation[1])
+
+    @cached_property
+    def wave_tips(self) -> NDArray[np.float64] | None:
+        """Where waves in a tissue ended, such as the tip about which a spiral wave turns: time, ms, x and y, um, of shape (tips, 3).
+
+        Waves that meet have tips for a moment. A single cell has None.
+        """
+        tips = self._native.wave_tips
+        return None if tips is None else _fixed(tips)
+
+    @cached_property
     def forces_on_gel(self) -> NDArray[np.float64] | None:
         """Force of each mass on the gel in each recorded shape, nN, of shape (frames, nodes, 2); None without a gel."""
         forces = self._native.forces_on_gel
         return None if forces is None else _fixed(forces)
+
+    @cached_property
+    def potentials(self) -> NDArray[np.float64] | None:
+        """Membrane potential of a tissue at each node, mV, of shape (frames, nodes). A single cell has None."""
+        potentials = self._native.potentials
+        return None if potentials is None else _fixed(potentials)
 
     @cached_property
     def triangles(self) -> NDArray[np.uint32]:
@@ -207,6 +240,8 @@ class Beat:
         }
         if self.forces_on_gel is not None:
             shapes["forces_on_gel_nn"] = (("frame_t_ms", "node", "axis"), self.forces_on_gel)
+        if self.potentials is not None:
+            shapes["potential_mV"] = (("frame_t_ms", "node"), self.potentials)
         times = {"t_ms": (("t_ms",), self.t_ms), "frame_t_ms": (("frame_t_ms",), self.frame_t_ms)}
         return dataset({**curves, **shapes}, times, {"title": self.cell.name, "run_file": self.run_file})
 

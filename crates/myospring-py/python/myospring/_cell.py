@@ -162,7 +162,8 @@ class Cell:
             Outline of the cell drawn on the picture in another program, instead of segmentation:
             GeoJSON, ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt.
         thickness_um : float, default 10.0
-            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
+            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 5000
+            um.
 
         Returns
         -------
@@ -279,7 +280,8 @@ class Cell:
             thickness is `thickness_um` in [material], and what a picture does not show of it is
             assumed.
         thickness_um : float, default 10.0
-            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
+            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 5000
+            um.
 
         Returns
         -------
@@ -498,7 +500,8 @@ class Cell:
             thickness is `thickness_um` in [material], and what a picture does not show of it is
             assumed.
         thickness_um : float, default 10.0
-            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
+            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 5000
+            um.
 
         Returns
         -------
@@ -571,7 +574,8 @@ class Cell:
             thickness is `thickness_um` in [material], and what a picture does not show of it is
             assumed.
         thickness_um : float, default 10.0
-            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
+            Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 5000
+            um.
 
         Returns
         -------

@@ -43,6 +43,14 @@ class BeatSettings(TypedDict, total=False):
     steady_state: float | None
     steady_state_cache: str
     wave_speed_um_per_ms: float | None
+    conduction_velocity_um_per_ms: float | None
+    diffusion_um2_per_ms: float | None
+    velocity_ratio: float | None
+    conductivity: str | PathLike[str] | None
+    stimulated: Literal["everywhere", "end", "centre", "half"] | None
+    s2_stimulated: Literal["everywhere", "end", "centre", "half"] | None
+    stretch_conductance_ms_per_uf: float | None
+    stretch_reversal_mv: float | None
     young_modulus_kpa: float | None
     spring_stiffness_nn_per_um: float | None
     thickness_um: float
@@ -62,10 +70,15 @@ class BeatSettings(TypedDict, total=False):
     sarcomere_length: str | PathLike[str]
     sarcomere_reference_um: float | None
     helix_angle_deg: float | None
-    support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "gel", "elastic-bed"]
+    support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "posts", "gel", "elastic-bed"]
     end_stretch: float
     afterload_nn: float | None
     end_stiffness_nn_per_um: float | None
+    post_length_um: float | None
+    post_load_height_um: float | None
+    post_width_um: float | None
+    post_thickness_um: float | None
+    post_modulus_kpa: float | None
     bed_stiffness_kpa_per_um: float | None
     gel_modulus_kpa: float | None
     gel_poisson: float | None
@@ -75,8 +88,8 @@ class BeatSettings(TypedDict, total=False):
     integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"] | None
     engine: Literal["auto", "plain", "fused"]
     time_step_ms: float | None
-    exchange_interval_ms: float
-    output_interval_ms: float
+    exchange_interval_ms: float | None
+    output_interval_ms: float | None
     frame_interval_ms: float
     duration_ms: float | None
     # </typed>
@@ -111,6 +124,14 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "steady_state": ("stimulus.steady_state", None),
     "steady_state_cache": ("stimulus.steady_state_cache", ""),
     "wave_speed_um_per_ms": ("stimulus.wave_speed", None),
+    "conduction_velocity_um_per_ms": ("tissue.conduction_velocity", None),
+    "diffusion_um2_per_ms": ("tissue.diffusion", None),
+    "velocity_ratio": ("tissue.velocity_ratio", None),
+    "conductivity": ("tissue.conductivity", None),
+    "stimulated": ("tissue.stimulated", None),
+    "s2_stimulated": ("tissue.s2_stimulated", None),
+    "stretch_conductance_ms_per_uf": ("tissue.stretch_conductance", None),
+    "stretch_reversal_mv": ("tissue.stretch_reversal", None),
     "young_modulus_kpa": ("material.young_modulus", None),
     "spring_stiffness_nn_per_um": ("material.spring_stiffness", None),
     "thickness_um": ("material.thickness", 10.0),
@@ -134,6 +155,11 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "end_stretch": ("mechanics.end_stretch", 1.0),
     "afterload_nn": ("mechanics.afterload", None),
     "end_stiffness_nn_per_um": ("mechanics.end_stiffness", None),
+    "post_length_um": ("mechanics.post_length", None),
+    "post_load_height_um": ("mechanics.post_load_height", None),
+    "post_width_um": ("mechanics.post_width", None),
+    "post_thickness_um": ("mechanics.post_thickness", None),
+    "post_modulus_kpa": ("mechanics.post_modulus", None),
     "bed_stiffness_kpa_per_um": ("mechanics.bed_stiffness", None),
     "gel_modulus_kpa": ("mechanics.gel_modulus", None),
     "gel_poisson": ("mechanics.gel_poisson", None),
@@ -143,8 +169,8 @@ BEAT_KEYS: Mapping[str, tuple[str, Any]] = {
     "integrator": ("numerics.integrator", None),
     "engine": ("numerics.engine", "auto"),
     "time_step_ms": ("numerics.time_step", None),
-    "exchange_interval_ms": ("numerics.exchange_interval", 0.25),
-    "output_interval_ms": ("numerics.output_interval", 0.5),
+    "exchange_interval_ms": ("numerics.exchange_interval", None),
+    "output_interval_ms": ("numerics.output_interval", None),
     "frame_interval_ms": ("numerics.frame_interval", 5.0),
     "duration_ms": ("run.duration", None),
     # </keys>
@@ -183,6 +209,14 @@ def simulate(
     steady_state: float | None = None,
     steady_state_cache: str = "",
     wave_speed_um_per_ms: float | None = None,
+    conduction_velocity_um_per_ms: float | None = None,
+    diffusion_um2_per_ms: float | None = None,
+    velocity_ratio: float | None = None,
+    conductivity: str | PathLike[str] | None = None,
+    stimulated: Literal["everywhere", "end", "centre", "half"] | None = None,
+    s2_stimulated: Literal["everywhere", "end", "centre", "half"] | None = None,
+    stretch_conductance_ms_per_uf: float | None = None,
+    stretch_reversal_mv: float | None = None,
     young_modulus_kpa: float | None = None,
     spring_stiffness_nn_per_um: float | None = None,
     thickness_um: float = 10.0,
@@ -202,10 +236,15 @@ def simulate(
     sarcomere_length: str | PathLike[str] = "uniform",
     sarcomere_reference_um: float | None = None,
     helix_angle_deg: float | None = None,
-    support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "gel", "elastic-bed"] = "mass-centre",
+    support: Literal["mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "posts", "gel", "elastic-bed"] = "mass-centre",
     end_stretch: float = 1.0,
     afterload_nn: float | None = None,
     end_stiffness_nn_per_um: float | None = None,
+    post_length_um: float | None = None,
+    post_load_height_um: float | None = None,
+    post_width_um: float | None = None,
+    post_thickness_um: float | None = None,
+    post_modulus_kpa: float | None = None,
     bed_stiffness_kpa_per_um: float | None = None,
     gel_modulus_kpa: float | None = None,
     gel_poisson: float | None = None,
@@ -215,8 +254,8 @@ def simulate(
     integrator: Literal["verlet", "stoermer-verlet", "velocity-verlet", "quasi-static"] | None = None,
     engine: Literal["auto", "plain", "fused"] = "auto",
     time_step_ms: float | None = None,
-    exchange_interval_ms: float = 0.25,
-    output_interval_ms: float = 0.5,
+    exchange_interval_ms: float | None = None,
+    output_interval_ms: float | None = None,
     frame_interval_ms: float = 5.0,
     duration_ms: float | None = None,
     # </signature>
@@ -314,6 +353,39 @@ def simulate(
         where the long axis starts: a cell model for each triangle, much slower. Beats are measured
         from the start of the wave. In um/ms, 0.001 um/ms to 1000000 um/ms. None: everywhere at
         once.
+    conduction_velocity_um_per_ms : float or None
+        Velocity along the fibres of a wave that goes from cell to cell: with it the shape is a
+        tissue of coupled cells, one at each point of the mesh, instead of one cell. The diffusion
+        of the potential is that which gives this velocity on this mesh with the published
+        parameters of the cell model. Human ventricles have 60 to 70 cm/s, cultures of stem-cell-
+        derived myocytes 5 to 20 cm/s; 10 um/ms are 1 cm/s. In um/ms, 1 um/ms to 5000 um/ms. None:
+        one cell.
+    diffusion_um2_per_ms : float or None
+        The same, by the diffusion coefficient of the potential along the fibres; the velocity
+        follows from it, and is smaller on a coarse mesh. In um^2/ms, 0 um^2/ms to 100000000
+        um^2/ms.
+    velocity_ratio : float or None
+        Conduction velocity along the fibres over that across them. 0.1 to 10. None: 1.
+    conductivity : str or PathLike[str] or None
+        Where a tissue conducts: "uniform", or a file, relative to this one: a table (.csv) with the
+        header conductivity, a row for each triangle, or x_um,y_um,conductivity, where 0 is a scar
+        and 1 conducts as the tissue does, or a picture of the same frame as the tissue's, whose
+        grey values are used relative to the largest. A factor on the diffusion coefficient. None:
+        uniform.
+    stimulated : {"everywhere", "end", "centre", "half"} or None
+        What part of a tissue the stimuli reach. None: end.
+    s2_stimulated : {"everywhere", "end", "centre", "half"} or None
+        What part of a tissue an extra stimulus S2 reaches. None: as `stimulated`.
+    stretch_conductance_ms_per_uf : float or None
+        Mechano-electric feedback: conductance of channels that stretch opens, over the membrane's
+        capacitance. Their current is conductance max(0, stretch - 1) (potential - reversal
+        potential), with the stretch of the fibres relative to rest (Panfilov et al. 2007 take the
+        root of the area's). Around 0.05 mS/uF a wave goes on as before, and a stretched place at
+        rest is nearer to its threshold; 0 is no feedback. In mS/uF, 0 mS/uF to 10 mS/uF. None: 0:
+        no feedback.
+    stretch_reversal_mv : float or None
+        Reversal potential of those channels; measured were 0 to -20 mV (Kohl et al. 1999). A model
+        without millivolts has 1 in the unit of its potential. In mV, -100 mV to 100 mV.
     young_modulus_kpa : float or None
         Young's modulus of the sheet formed by the springs, or of the solid of a thick cell. In kPa,
         0.1 kPa to 1000000 kPa.
@@ -321,7 +393,7 @@ def simulate(
         Stiffness of a horizontal or vertical spring, instead of `young_modulus_kpa`; a diagonal one
         has half of it. In nN/um, 0.1 nN/um to 100000000 nN/um.
     thickness_um : float, default 10.0
-        Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
+        Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 5000 um.
     area_law : {"gradient", "barycentric", "printed"}, default "gradient"
         Law of area preservation.
     area_modulus_kpa : float or None
@@ -373,7 +445,7 @@ def simulate(
     helix_angle_deg : float or None
         Angle by which the fibres of a thick cell turn from its lowest to its highest point,
         counter-clockwise as seen from above. In deg, -180 deg to 180 deg. None: 0 deg.
-    support : {"mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "gel", "elastic-bed"}, default "mass-centre"
+    support : {"mass-centre", "clamped-end", "clamped-ends", "afterloaded-ends", "spring-held-ends", "posts", "gel", "elastic-bed"}, default "mass-centre"
         The support of the cell.
     end_stretch : float, default 1.0
         Distance between clamped or afterloaded ends before the beat, relative to the cell at rest.
@@ -384,6 +456,20 @@ def simulate(
     end_stiffness_nn_per_um : float or None
         Stiffness of each of the two springs of "spring-held-ends", such as carbon fibres. In nN/um,
         above 0 nN/um, at most 100000000 nN/um.
+    post_length_um : float or None
+        Length of each of the posts of "posts", from foot to tip. In um, 1 um to 100000 um.
+    post_load_height_um : float or None
+        Height of the tissue above the foot of the posts, at most their length. In um, 1 um to
+        100000 um. None: at the tip.
+    post_width_um : float or None
+        Width of the posts across the tissue; of round posts their diameter. In um, 0.1 um to 100000
+        um.
+    post_thickness_um : float or None
+        Thickness of rectangular posts along the tissue, which bends them in it. In um, 0.1 um to
+        100000 um. None: round posts.
+    post_modulus_kpa : float or None
+        Young's modulus of the posts; that of silicone (PDMS) is 1 to 3 MPa. In kPa, 0.001 kPa to
+        1000000000 kPa.
     bed_stiffness_kpa_per_um : float or None
         Stiffness of an "elastic-bed", traction per displacement: for a thin layer its shear modulus
         divided by its thickness. In kPa/um, above 0 kPa/um, at most 1000000 kPa/um. None: "0.5
@@ -416,10 +502,10 @@ def simulate(
     time_step_ms : float or None
         Mechanical time step; a step above the stability limit is an error. Not for "quasi-static".
         In ms, 1e-7 ms to 10 ms. None: 0.95 of the stability limit.
-    exchange_interval_ms : float, default 0.25
+    exchange_interval_ms : float or None
         Interval at which cell model and mesh exchange tension and stretch. In ms, 0.001 ms to 10
         ms.
-    output_interval_ms : float, default 0.5
+    output_interval_ms : float or None
         Interval of the rows in traces.csv, a multiple of the exchange interval. In ms, 0.001 ms to
         10000 ms.
     frame_interval_ms : float, default 5.0
@@ -487,6 +573,14 @@ def simulate(
         ("stimulus.steady_state", steady_state, None),
         ("stimulus.steady_state_cache", steady_state_cache, ""),
         ("stimulus.wave_speed", wave_speed_um_per_ms, None),
+        ("tissue.conduction_velocity", conduction_velocity_um_per_ms, None),
+        ("tissue.diffusion", diffusion_um2_per_ms, None),
+        ("tissue.velocity_ratio", velocity_ratio, None),
+        ("tissue.conductivity", conductivity, None),
+        ("tissue.stimulated", stimulated, None),
+        ("tissue.s2_stimulated", s2_stimulated, None),
+        ("tissue.stretch_conductance", stretch_conductance_ms_per_uf, None),
+        ("tissue.stretch_reversal", stretch_reversal_mv, None),
         ("material.young_modulus", young_modulus_kpa, None),
         ("material.spring_stiffness", spring_stiffness_nn_per_um, None),
         ("material.thickness", thickness_um, 10.0),
@@ -510,6 +604,11 @@ def simulate(
         ("mechanics.end_stretch", end_stretch, 1.0),
         ("mechanics.afterload", afterload_nn, None),
         ("mechanics.end_stiffness", end_stiffness_nn_per_um, None),
+        ("mechanics.post_length", post_length_um, None),
+        ("mechanics.post_load_height", post_load_height_um, None),
+        ("mechanics.post_width", post_width_um, None),
+        ("mechanics.post_thickness", post_thickness_um, None),
+        ("mechanics.post_modulus", post_modulus_kpa, None),
         ("mechanics.bed_stiffness", bed_stiffness_kpa_per_um, None),
         ("mechanics.gel_modulus", gel_modulus_kpa, None),
         ("mechanics.gel_poisson", gel_poisson, None),
@@ -519,8 +618,8 @@ def simulate(
         ("numerics.integrator", integrator, None),
         ("numerics.engine", engine, "auto"),
         ("numerics.time_step", time_step_ms, None),
-        ("numerics.exchange_interval", exchange_interval_ms, 0.25),
-        ("numerics.output_interval", output_interval_ms, 0.5),
+        ("numerics.exchange_interval", exchange_interval_ms, None),
+        ("numerics.output_interval", output_interval_ms, None),
         ("numerics.frame_interval", frame_interval_ms, 5.0),
         ("run.duration", duration_ms, None),
     )
@@ -549,7 +648,7 @@ def action_potential(
     cycle_length_ms: float = 1000.0,
     s2_interval_ms: float | None = None,
     duration_ms: float | None = None,
-    output_interval_ms: float = 0.5,
+    output_interval_ms: float | None = None,
     # </signature>
     progress: Progress = None,
 ) -> ActionPotential:
@@ -605,7 +704,7 @@ def action_potential(
     duration_ms : float or None
         Time simulated, a multiple of the exchange interval. In ms, above 0 ms, at most 1000000 ms.
         None: 550 ms after the last stimulus.
-    output_interval_ms : float, default 0.5
+    output_interval_ms : float or None
         Interval of the rows in traces.csv, a multiple of the exchange interval. In ms, 0.001 ms to
         10000 ms.
     progress : callable, bool or None
@@ -648,7 +747,7 @@ def action_potential(
         ("stimulus.cycle_length", cycle_length_ms, 1000.0),
         ("stimulus.s2_interval", s2_interval_ms, None),
         ("run.duration", duration_ms, None),
-        ("numerics.output_interval", output_interval_ms, 0.5),
+        ("numerics.output_interval", output_interval_ms, None),
     )
     # </given>
     return followed(given, progress)

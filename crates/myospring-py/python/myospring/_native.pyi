@@ -18,6 +18,8 @@ __all__ = [
     "Motion",
     "Motions",
     "Tractions",
+    "Waves",
+    "Posts",
     "Study",
     "Members",
     "Segmentation",
@@ -36,6 +38,8 @@ __all__ = [
     "compare",
     "track",
     "track_all",
+    "map_waves",
+    "track_posts",
     "traction_of_arrays",
     "traction_of_beads",
     "presets",
@@ -100,7 +104,13 @@ class Beat:
     @property
     def positions_in_space(self) -> NDArray[np.float64] | None: ...
     @property
+    def activation(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None: ...
+    @property
+    def wave_tips(self) -> NDArray[np.float64] | None: ...
+    @property
     def forces_on_gel(self) -> NDArray[np.float64] | None: ...
+    @property
+    def potentials(self) -> NDArray[np.float64] | None: ...
     @property
     def triangles(self) -> NDArray[np.uint32]: ...
     @property
@@ -225,6 +235,35 @@ class Tractions:
     def field(self, name: str) -> NDArray[np.float64]: ...
     @property
     def spacing_um(self) -> float: ...
+    def save(self, folder: str | PathLike[str], force: bool) -> str | PathLike[str]: ...
+
+@final
+class Waves:
+    @property
+    def numbers(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def t_ms(self) -> NDArray[np.float64]: ...
+    @property
+    def light(self) -> NDArray[np.float64]: ...
+    @property
+    def maps(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+    def maps_of(self, wave: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+    def save(self, folder: str | PathLike[str], force: bool) -> str | PathLike[str]: ...
+
+@final
+class Posts:
+    @property
+    def numbers(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def t_ms(self) -> NDArray[np.float64]: ...
+    @property
+    def approach_um(self) -> NDArray[np.float64]: ...
+    @property
+    def force_nn(self) -> NDArray[np.float64] | None: ...
     def save(self, folder: str | PathLike[str], force: bool) -> str | PathLike[str]: ...
 
 @final
@@ -397,6 +436,24 @@ def track_all(
     threads: int | None,
     progress: _Progress,
 ) -> Motions: ...
+def map_waves(
+    film: str,
+    frame_rate: float | None,
+    pixel_size_um: float | None,
+    stimuli_ms: list[float],
+    period_ms: float | None,
+    start_ms: float | None,
+    falls: bool | None,
+    progress: _Progress,
+) -> Waves: ...
+def track_posts(
+    film: str,
+    given: dict[str, Any],
+    frame_rate: float | None,
+    posts: list[list[float]] | None,
+    stiffness: float | None,
+    progress: _Progress,
+) -> Posts: ...
 def traction_of_arrays(
     displacements: tuple[NDArray[np.float64], NDArray[np.float64]],
     spacing_um: float,

@@ -261,7 +261,7 @@ def segment(
         Outline of the cell drawn on the picture in another program, instead of segmentation:
         GeoJSON, ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt.
     thickness_um : float, default 10.0
-        Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 100 um.
+        Thickness of the cell; where it varies, the greatest. In um, above 0 um, at most 5000 um.
     stain : {"z-disc", "filament"} or None
         What the picture shows: stripes across the fibre or threads along it. None: z-discs, if stripes as far apart as
         sarcomeres are found.

@@ -29,9 +29,12 @@ pub(in crate::experiment) mod figures;
 mod page;
 pub(in crate::experiment) mod pairs;
 mod record;
+mod shown;
 
 pub use curve::AnalysedCurve;
 pub use pairs::PairedCurves;
+pub(in crate::experiment) use shown::Shown;
+
 pub use record::{AnalysisRecord, KEY, Mean, conventions, means, means_of};
 
 use super::beats::BeatOptions;
@@ -77,6 +80,8 @@ pub struct Analysed {
     pub notes: Vec<String>,
     /// Files that could not be read; the notes say why.
     pub left_out: usize,
+    /// What the page shows first.
+    pub(in crate::experiment) shown: Option<Shown>,
 }
 
 impl Experiment for Analyse {
@@ -85,8 +90,13 @@ impl Experiment for Analyse {
     fn run(&self, files: &Files, observer: &dyn Observer) -> Result<Analysed, ExperimentError> {
         self.beats.check()?;
         let inputs = tables(&self.paths)?;
-        let mut all =
-            Analysed { curves: Vec::new(), pairs: Vec::new(), notes: Vec::new(), left_out: 0 };
+        let mut all = Analysed {
+            curves: Vec::new(),
+            pairs: Vec::new(),
+            notes: Vec::new(),
+            left_out: 0,
+            shown: None,
+        };
         observer.stage("files", inputs.len() as u64);
         for (done, path) in inputs.iter().enumerate() {
             let file = path.display().to_string();
@@ -208,7 +218,10 @@ impl Outcome for Analysed {
         folder.write("metrics.csv", csv::metrics(&self.curves)?)?;
         folder.write("summary.csv", csv::summary(&self.curves)?)?;
         folder.write("summary.json", json::for_people(&self.numbers())?)?;
-        folder.write("report.html", page::html(&self.curves, &self.pairs, self.warnings())?)?;
+        folder.write(
+            "report.html",
+            page::html(&self.curves, &self.pairs, self.shown.as_ref(), self.warnings())?,
+        )?;
         if !self.pairs.is_empty() {
             folder.write("pairs.csv", csv::pairs(&self.curves, &self.pairs)?)?;
             folder.write("loops.csv", csv::loops(&self.curves, &self.pairs)?)?;

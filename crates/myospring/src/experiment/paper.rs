@@ -76,6 +76,7 @@ impl Experiment for Paper {
                 myofibril_content: None,
                 resting_stretch: None,
                 adhesion: None,
+                tissue: None,
             };
             let mut simulation = run.simulation(mesh.clone(), thick.clone(), places);
             simulation.peak_tension = peak_tension;

@@ -1,6 +1,7 @@
 //! The simulation of one cell: from its settings to curves, numbers, figures, films, a page and
 //! frames.
 
+mod activation;
 mod beaten;
 mod figures;
 mod film;

@@ -185,6 +185,8 @@ impl FilmMap {
             quantity: quantity.to_owned(),
             limits: None,
             doubts: None,
+            hatched: figure::NOT_KNOWN,
+            dots: None,
         };
         let tension =
             one("Where the cell pulls".to_owned(), &map.tensions_kpa, "Active tension (kPa)");
@@ -226,6 +228,8 @@ impl FilmMap {
             quantity: "Active tension (kPa)".to_owned(),
             limits: Some([0.0, most]),
             doubts: Some(fields.from_triangles(&film.doubts(place))),
+            hatched: figure::NOT_KNOWN,
+            dots: None,
         });
         let maps: Vec<Map<'_>> = maps.collect();
         let note = |&(_, _, place): &(usize, &str, usize)| {
@@ -337,11 +341,8 @@ impl FilmMap {
             |frame: &usize| motion.times_ms[motion.frames.partition_point(|one| one < frame)];
         let peak = map.frames.first().map_or(0.0, time);
         let frame = Frame {
-            t_ms: peak,
-            ta_kpa: map.mean_kpa,
             ta_by_triangle_kpa: Some(map.tensions_kpa.clone()),
-            on_gel_nn: None,
-            positions: map.positions_um.clone(),
+            ..Frame::new(peak, map.mean_kpa, map.positions_um.clone())
         };
         Ok(vtu::Frames::new(&motion.mesh, &[frame], &fibres.directions, None)?.frame(0))
     }

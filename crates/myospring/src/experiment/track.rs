@@ -10,7 +10,8 @@ mod report;
 mod tracked;
 
 pub use cells::{FilmCell, TrackCells, TrackedCells};
-pub(in crate::experiment) use open::{name as film_name, open as open_film};
+pub(in crate::experiment) use followed::{OpenedFilm, rate as frame_rate};
+pub(in crate::experiment) use open::{is_film, name as film_name, open as open_film};
 
 pub use description::{Output, Track};
 pub use followed::Followed;

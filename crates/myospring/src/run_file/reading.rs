@@ -26,7 +26,7 @@ use toml::{Spanned, Table};
 /// assert_eq!(
 ///     error.to_string(),
 ///     "option --thickness: `material.thickness` = 0 um is outside its bounds, above 0 um, at most \
-///      100 um"
+///      5000 um"
 /// );
 /// # Ok::<(), myospring::run_file::RunFileError>(())
 /// ```

@@ -3,8 +3,13 @@
 use super::error::RunFileError;
 use super::file::RunFile;
 use super::rules;
-use crate::settings::{Failure, Run, Value, table};
+use crate::cell::solve::SolverSettings;
+use crate::integrate::Method;
+use crate::settings::{Failure, Run, Source, Value, table};
 use crate::units::{self, Dimension};
+
+/// Interval at which a tissue takes the shape of its tension, ms: with waves, each shape is an equilibrium of its own.
+const EXCHANGE_OF_TISSUE_MS: f64 = 1.0;
 
 impl RunFile {
     /// Checks every value and fills in every default.
@@ -24,12 +29,39 @@ impl RunFile {
                 setting.set(&mut run, value)?;
             }
         }
+        if matches!(run.shape.source, Source::BuiltIn(shape) if shape.is_tissue) {
+            run.tissue.get_or_insert_default().assume_velocity();
+        }
+        if run.tissue.is_some() {
+            self.suit_tissue(&mut run);
+        }
         if !self.has("run.duration") {
             run.duration = run.usual_duration();
         }
         rules::check(self, &run)?;
         run.assumed = rules::assumed(self, &run);
         Ok(run)
+    }
+
+    /// Numerical settings that suit coupled cells, where the file states none.
+    fn suit_tissue(&self, run: &mut Run) {
+        let suited = SolverSettings::coupled(&*run.cell);
+        // Its size is not that of a cell.
+        run.shape.any_size |= !self.has("shape.any_size");
+        let stated = |key: &str| self.has(key) || self.has("cell.authors_step");
+        if !stated("cell.integrator") {
+            run.numerics.cell.method = suited.method;
+        }
+        if !stated("cell.step") {
+            run.numerics.cell.step_ms = suited.step_ms;
+        }
+        if !self.has("numerics.integrator") {
+            run.numerics.method = Method::QuasiStatic;
+        }
+        if !self.has("numerics.exchange_interval") && !self.has("numerics.output_interval") {
+            run.numerics.exchange_interval = EXCHANGE_OF_TISSUE_MS;
+            run.numerics.output_interval = EXCHANGE_OF_TISSUE_MS;
+        }
     }
 }
 

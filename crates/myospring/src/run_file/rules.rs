@@ -7,14 +7,16 @@ use crate::integrate::engine::Loops;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
 use crate::mechanics::support::SupportKind;
-use crate::settings::{self, Failure, FibreDirection, FromPlaces, Problem, Run, Source, Value};
+use crate::settings::{
+    self, Conducts, Failure, FibreDirection, FromPlaces, Problem, Run, Source, Value,
+};
 use crate::simulation::{MOST_FRAMES, MOST_SAMPLES, divides};
 use crate::units::{self, Dimension};
 
 type Checked = Result<(), Failure>;
 
 /// Keys of which only one may be given, and the advice for users who give two.
-const ALTERNATIVES: [(&[&str], &str); 5] = [
+const ALTERNATIVES: [(&[&str], &str); 6] = [
     (
         &["shape.built_in", "shape.picture", "shape.outline", "shape.stack"],
         "a cell has one shape; leave one of them out",
@@ -29,6 +31,10 @@ const ALTERNATIVES: [(&[&str], &str); 5] = [
     ),
     (
         &["material.young_modulus", "material.spring_stiffness"],
+        "each follows from the other; leave one of them out",
+    ),
+    (
+        &["tissue.conduction_velocity", "tissue.diffusion"],
         "each follows from the other; leave one of them out",
     ),
     (
@@ -48,7 +54,9 @@ struct Springs {
 
 const OF_GEL: &str = "only support = \"gel\" has it; choose that support or leave it out";
 
-const SPRINGS: [Springs; 8] = [
+const OF_POSTS: &str = "only support = \"posts\" has it; choose that support or leave it out";
+
+const SPRINGS: [Springs; 13] = [
     Springs {
         support: "spring-held-ends",
         key: "mechanics.end_stiffness",
@@ -58,6 +66,32 @@ const SPRINGS: [Springs; 8] = [
         ),
         advice: "only support = \"spring-held-ends\" has it; choose that support or leave it out",
     },
+    Springs {
+        support: "posts",
+        key: "mechanics.post_length",
+        reason: Some(
+            "posts need their length: give it like post_length = \"3 mm\", or --post-length \"3 mm\"",
+        ),
+        advice: OF_POSTS,
+    },
+    Springs {
+        support: "posts",
+        key: "mechanics.post_width",
+        reason: Some(
+            "posts need their width, or diameter: give it like post_width = \"1 mm\", or --post-width \"1 mm\"",
+        ),
+        advice: OF_POSTS,
+    },
+    Springs {
+        support: "posts",
+        key: "mechanics.post_modulus",
+        reason: Some(
+            "posts need their Young's modulus: give it like post_modulus = \"1.6 MPa\", or --post-modulus \"1.6 MPa\"",
+        ),
+        advice: OF_POSTS,
+    },
+    Springs { support: "posts", key: "mechanics.post_thickness", reason: None, advice: OF_POSTS },
+    Springs { support: "posts", key: "mechanics.post_load_height", reason: None, advice: OF_POSTS },
     Springs {
         support: "afterloaded-ends",
         key: "mechanics.afterload",
@@ -144,7 +178,17 @@ pub(super) fn assumed(file: &RunFile, run: &Run) -> Vec<String> {
             equations.name
         )
     });
-    bed.into_iter().chain(myofilaments).collect()
+    let conducts = run.tissue.as_ref().and_then(|tissue| tissue.conducts);
+    let velocity = match conducts {
+        Some(Conducts::Velocity(velocity)) if !file.has("tissue.conduction_velocity") => {
+            Some(format!(
+                "the conduction velocity of the tissue is not stated: {} is assumed (--conduction-velocity)",
+                units::format(velocity, Dimension::Speed)
+            ))
+        }
+        _ => None,
+    };
+    bed.into_iter().chain(myofilaments).chain(velocity).collect()
 }
 
 /// Checks a run together with the run file that it was made from.
@@ -152,6 +196,7 @@ pub(super) fn check(file: &RunFile, run: &Run) -> Checked {
     alternatives(file)?;
     cell_model(file, run)?;
     stimulus(file, run)?;
+    tissue(file, run)?;
     shape(file, run)?;
     profile(file, run)?;
     fibre(file, run)?;
@@ -301,6 +346,40 @@ fn stimulus(file: &RunFile, run: &Run) -> Checked {
         }
         _ => Ok(()),
     }
+}
+
+/// A tissue says how it conducts, and its cells have what they need.
+fn tissue(file: &RunFile, run: &Run) -> Checked {
+    let Some(settings) = &run.tissue else { return Ok(()) };
+    let given =
+        settings::table().map(|setting| setting.key).filter(|key| key.starts_with("tissue."));
+    if settings.conducts.is_none()
+        && let Some(second) = given.into_iter().find(|key| file.has(key))
+    {
+        let reason = "a tissue needs the velocity of its waves: give conduction_velocity = \"20 cm/s\", or --conduction-velocity \
+                      \"20 cm/s\"";
+        let key = "tissue.conduction_velocity";
+        return Err((second.to_owned(), Problem::Missing { key, reason }));
+    }
+    let key = "tissue.conduction_velocity";
+    if file.has("stimulus.wave_speed") {
+        let advice = "in a tissue the wave has the velocity that its cells give it; leave the speed of the stimuli out";
+        return exclude(key, "stimulus.wave_speed", advice);
+    }
+    if run.shape.is_thick() {
+        let advice = "a tissue is a flat sheet, whose thickness is that of its material; leave the profile out";
+        return exclude(key, "shape.profile", advice);
+    }
+    if run.numerics.cell.method.chooses_steps() {
+        let advice = "coupled cells need fixed steps; take forward-euler, rush-larsen or runge-kutta-4, or leave the method out";
+        return exclude(key, "cell.integrator", advice);
+    }
+    if settings.s2_stimulated.is_some() && run.protocol.s2_ms().is_none() {
+        let reason = "a place of S2 needs its time: give s2_interval = \"250 ms\", or --s2-interval \"250 ms\", or leave the place out";
+        let problem = Problem::Missing { key: "stimulus.s2_interval", reason };
+        return Err(("tissue.s2_stimulated".to_owned(), problem));
+    }
+    Ok(())
 }
 
 /// Checks keys that apply only to pictures, or only to pictures and files of outlines.
@@ -465,6 +544,7 @@ fn sarcomeres(file: &RunFile, run: &Run) -> Checked {
 fn support(file: &RunFile, run: &Run) -> Checked {
     let holder = match run.support {
         SupportKind::SpringHeldEnds { .. } => Some("spring-held-ends"),
+        SupportKind::Posts(_) => Some("posts"),
         SupportKind::ElasticBed { .. } => Some("elastic-bed"),
         SupportKind::Gel(_) => Some("gel"),
         SupportKind::AfterloadedEnds { .. } => Some("afterloaded-ends"),

@@ -7,6 +7,7 @@ mod numerics;
 mod segmentation;
 mod shape;
 mod stimulus;
+mod tissue;
 
 use super::bounds::Bounds;
 use super::setting::{Setting, ValueKind};
@@ -57,6 +58,12 @@ pub(super) static TABLES: &[Table] = &[
         doc: "When and how the cell is stimulated.",
         heading: CELL,
         settings: stimulus::ROWS,
+    },
+    Table {
+        name: "tissue",
+        doc: "A tissue: cells that stimulate each other, one at each point of the mesh, instead of one cell.",
+        heading: "Tissue",
+        settings: tissue::ROWS,
     },
     Table {
         name: "shape",

@@ -2,6 +2,7 @@
 
 use super::adhesion::{self, AdhesionError};
 use super::calcium::{self, CalciumError, Calibration};
+use super::conductivity::{self, ConductivityError};
 use super::content::{self, ContentError};
 use super::fibres::{Asked, FibreDirection, FibreReport, Fibres, FibresError};
 use super::models::{FromFile, Models};
@@ -12,9 +13,11 @@ use super::shape::{Shape, Shaped, Source};
 use super::shown::Shown;
 use super::steady::{self, CacheError};
 use super::tension::{self, TensionError};
+use super::tissue::TissueSettings;
 use crate::cell::given_tension::TensionClock;
 use crate::cell::pacing::Protocol;
 use crate::cell::{CellModel, TensionKind, coelho_2021};
+use crate::exchange::{Coupling, TissueError};
 use crate::interruption::Interruption;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::area::AreaLaw;
@@ -87,6 +90,8 @@ pub struct Run {
     pub sarcomere_reference: Option<f64>,
     /// Speed at which stimuli travel along the cell, um/ms; `None` for everywhere at once.
     pub wave_speed: Option<f64>,
+    /// How the cells of a tissue stimulate each other; `None` for one cell.
+    pub tissue: Option<TissueSettings>,
     /// The support of the cell.
     pub support: SupportKind,
     /// The file that says where the cell adheres to a gel, as written; `None` is as the gel says.
@@ -140,6 +145,8 @@ pub struct Places {
     pub resting_stretch: Option<Vec<f64>>,
     /// How strongly each node adheres to a gel; `None` is 1 everywhere.
     pub adhesion: Option<Vec<f64>>,
+    /// How the cells of a tissue are coupled ([`Run::coupling`]); `None` is one cell.
+    pub tissue: Option<Coupling>,
 }
 
 /// Why a simulation cannot be made from a shape.
@@ -151,6 +158,9 @@ pub enum MakeError {
     /// The content of myofibrils cannot be read.
     #[error(transparent)]
     Content(#[from] ContentError),
+    /// Where the tissue conducts cannot be read.
+    #[error(transparent)]
+    Conductivity(#[from] ConductivityError),
     /// Where the cell adheres cannot be read.
     #[error(transparent)]
     Adhesion(#[from] AdhesionError),
@@ -163,6 +173,12 @@ pub enum MakeError {
     /// The course of calcium or tension cannot be read.
     #[error(transparent)]
     Driven(#[from] DrivenError),
+    /// The file of the cell model can no longer be read.
+    #[error("the cell model: {0}")]
+    Model(Problem),
+    /// The cells cannot be coupled.
+    #[error(transparent)]
+    Tissue(#[from] TissueError),
 }
 
 /// Why a prescribed course of calcium or tension cannot be read.
@@ -211,6 +227,7 @@ impl Run {
             sarcomere_length: FromPlaces::Uniform,
             sarcomere_reference: None,
             wave_speed: None,
+            tissue: None,
             support: SupportKind::MassCentre,
             adhesion: None,
             end_stretch: 1.0,
@@ -320,17 +337,26 @@ impl Run {
         let stretch = sarcomeres::resting_stretch(lengths, reference, &mesh, &fibres, &read)?;
         let (resting_stretch, told) = stretch.unzip();
         report.warnings.extend(told);
-        let (cell, warning) = self.driven(read)?;
+        let (cell, warning) = self.driven(&read)?;
         report.warnings.extend(warning);
         report.warnings.extend(self.wave_warning(report.dimensions.length_um));
         let turned =
             thick.as_ref().and_then(|thick| fibres.in_space(thick, self.helix_angle.to_radians()));
+        let mut tissue = self.coupling(report.spacing_um)?;
+        let scar = self.tissue.as_ref().and_then(|tissue| tissue.conductivity.as_ref());
+        if let (Some(path), Some(coupling)) = (scar, &mut tissue) {
+            let (relative, warning) =
+                conductivity::read_conductivity(path, &mesh, cells.zip(chosen), &read)?;
+            report.warnings.extend(warning);
+            coupling.conduction.relative = Some(relative);
+        }
         let places = Places {
             fibres: fibres.directions.clone(),
             fibres_in_space: turned,
             myofibril_content: content,
             resting_stretch,
             adhesion,
+            tissue,
         };
         let (start_state, warning) = self.start_state(&cell)?;
         report.warnings.extend(warning);
@@ -401,6 +427,18 @@ impl Run {
         Ok((Some(found.state), told))
     }
 
+    /// How the cells of a tissue are coupled on a lattice of this spacing, um; `None` for one cell.
+    ///
+    /// A wanted velocity is that of cells with published parameters, so that changed parameters, such as those of a drug, change it.
+    ///
+    /// # Errors
+    /// Cells that cannot be coupled, and a velocity at which no wave goes along this lattice.
+    pub fn coupling(&self, spacing: f64) -> Result<Option<Coupling>, MakeError> {
+        let Some(tissue) = &self.tissue else { return Ok(None) };
+        let cell = self.published_cell().map_err(MakeError::Model)?;
+        Ok(Some(tissue.coupling(&cell, self.numerics.cell, spacing)?))
+    }
+
     /// A warning if the run ends before the wave has left the cell.
     fn wave_warning(&self, length_um: f64) -> Option<String> {
         let across = length_um / self.wave_speed?;
@@ -419,8 +457,14 @@ impl Run {
     /// Makes the simulation of this run on a mesh with quantities by place, without reading files;
     /// the cell model must already have its calcium ([`Run::driven`]).
     pub fn simulation(&self, mesh: Mesh, thick: Option<Arc<Thick>>, places: Places) -> Simulation {
-        let Places { fibres, fibres_in_space, myofibril_content, resting_stretch, adhesion } =
-            places;
+        let Places {
+            fibres,
+            fibres_in_space,
+            myofibril_content,
+            resting_stretch,
+            adhesion,
+            tissue,
+        } = places;
         let long_axis = long_axis(&mesh);
         Simulation {
             cell: Arc::clone(&self.cell),
@@ -429,6 +473,7 @@ impl Run {
             myofibril_content,
             resting_stretch,
             wave_speed: self.wave_speed,
+            tissue,
             stepper: None,
             interruption: self.interruption.clone(),
             start_state: None,

@@ -168,6 +168,13 @@ impl Whitening {
         self.0.solve_lower_triangular_mut(&mut numbers);
         numbers
     }
+
+    /// The independent numbers of each column.
+    pub(super) fn of_columns(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut inverse = DMatrix::identity(self.0.nrows(), self.0.nrows());
+        self.0.solve_lower_triangular_mut(&mut inverse);
+        inverse * columns
+    }
 }
 
 #[cfg(test)]

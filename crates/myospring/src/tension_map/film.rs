@@ -128,9 +128,7 @@ impl Search<'_> {
         let (mut means, mut mean_variances) = (vec![0.0; shown.len()], vec![0.0; shown.len()]);
         for (number, mode) in modes.iter().enumerate() {
             self.interruption.check().map_err(PathError::from)?;
-            let Problem { columns, freedom, penalty, .. } = problem;
-            let (columns, penalty, freedom) = (columns.clone(), penalty.clone(), *freedom);
-            let one = Problem { columns, seen: mode.pattern.clone(), freedom, penalty };
+            let one = Problem { seen: mode.pattern.clone(), ..problem.clone() };
             let smoothing = one.smoothing().ok_or_else(no_answer)?;
             let hessian = one.hessian(smoothing.lambda);
             let right = one.columns.tr_mul(&one.seen);

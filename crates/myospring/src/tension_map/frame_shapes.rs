@@ -82,13 +82,7 @@ mod tests {
     use super::*;
 
     fn frame(t_ms: f64, x: f64) -> Frame {
-        Frame {
-            t_ms,
-            ta_kpa: 0.0,
-            ta_by_triangle_kpa: None,
-            on_gel_nn: None,
-            positions: [vec![x], vec![0.0]],
-        }
+        Frame::new(t_ms, 0.0, [vec![x], vec![0.0]])
     }
 
     #[test]

@@ -116,6 +116,7 @@ impl TensionMap {
         let averaged = means.summed(&squares.points, &squares.shares());
         let white = Whitening::new(&averaged)
             .ok_or(TensionMapError::NoContraction { tension_kpa: f64::NAN })?;
+        let averaged = white.of_columns(&averaged);
         let apart = (mesh.area() / POINTS).sqrt();
         let spacing = mesh.lattice.as_ref().map_or(0.0, |lattice| lattice.spacing);
         let grid = Grid::new(mesh, apart.max(FINEST * spacing));
@@ -174,7 +175,7 @@ pub(super) struct Search<'a> {
     pub(super) seen: &'a ObservedPeak,
     pub(super) squares: Squares,
     pub(super) means: Means,
-    /// The means of the squares of what the film shows of the motion of the points.
+    /// The independent numbers of the squares of what the film shows of the motion of the points.
     averaged: DMatrix<f64>,
     white: Whitening,
     pub(super) grid: Grid,
@@ -207,13 +208,19 @@ impl Search<'_> {
         self.equilibrium.linearise(&self.positions, Tension::PerElement(&tensions))
     }
 
-    /// The response of the means of the squares to 1 kPa times these values of the grid.
-    fn column(&mut self, values: &[f64]) -> DVector<f64> {
+    /// The response of the points to 1 kPa times these values of the grid.
+    fn response(&mut self, values: &[f64]) -> [DVector<f64>; 2] {
         let forces = self.forces(&self.grid.in_triangles(values));
-        let [x, y] = self.equilibrium.response(&forces);
-        let shown = [x, y].map(|axis| &self.averaged * DVector::from_vec(axis));
-        let shown: Vec<f64> = shown.iter().flat_map(DVector::iter).copied().collect();
-        self.independent(&shown)
+        self.equilibrium.response(&forces).map(DVector::from_vec)
+    }
+
+    /// What the squares show of responses, one below the other in x and in y.
+    fn shown(&self, responses: [&DMatrix<f64>; 2]) -> DMatrix<f64> {
+        let [x, y] = responses.map(|axis| &self.averaged * axis);
+        let mut both = DMatrix::zeros(x.nrows() + y.nrows(), x.ncols());
+        both.rows_mut(0, x.nrows()).copy_from(&x);
+        both.rows_mut(x.nrows(), y.nrows()).copy_from(&y);
+        both
     }
 
     /// Numbers of the squares, both axes one after the other, so that their errors are independent.
@@ -255,7 +262,9 @@ impl Search<'_> {
         let count = self.grid.len();
         for _ in 0..ROUNDS {
             self.linearise()?;
-            let column = self.column(&vec![1.0; count]);
+            let [x, y] = self.response(&vec![1.0; count]);
+            let shown = [x, y].map(|axis| DMatrix::from_columns(&[axis]));
+            let column = self.shown(shown.each_ref()).column(0).into_owned();
             let whole = self.whole();
             let column = &column - &whole * whole.tr_mul(&column);
             let left = self.left(&(&column * self.values[0]));
@@ -295,14 +304,17 @@ impl Search<'_> {
     fn problem(&mut self) -> Result<Problem, PathError> {
         let count = self.grid.len();
         self.linearise()?;
-        let mut columns = DMatrix::zeros(2 * self.squares.points.len(), count);
+        let mut responses = [0, 1].map(|_: usize| DMatrix::zeros(self.mesh.len(), count));
         let mut unit = vec![0.0; count];
         for number in 0..count {
             self.interruption.check()?;
             unit[number] = 1.0;
-            columns.set_column(number, &self.column(&unit));
+            for (all, axis) in responses.iter_mut().zip(self.response(&unit)) {
+                all.set_column(number, &axis);
+            }
             unit[number] = 0.0;
         }
+        let columns = self.shown(responses.each_ref());
         let seen = self.left(&(&columns * &self.values));
         let whole = self.whole();
         let columns = &columns - &whole * whole.tr_mul(&columns);
@@ -314,7 +326,8 @@ impl Search<'_> {
             }
         }
         let freedom = (columns.nrows() - whole.ncols()) as f64;
-        Ok(Problem { columns, seen, freedom, penalty })
+        let products = columns.transpose() * &columns;
+        Ok(Problem { columns, products, seen, freedom, penalty })
     }
 
     /// Moves to the equilibrium under these values, or as far towards it as equilibria exist.
@@ -368,7 +381,7 @@ impl Search<'_> {
             inverse.ok_or(TensionMapError::NoContraction { tension_kpa: even_kpa })?.inverse();
         let covariance = &inverse * noise.powi(2);
         // Effective number of parameters at each point of the grid, over its area.
-        let shares = &inverse * problem.columns.tr_mul(&problem.columns);
+        let shares = &inverse * &problem.products;
         let density = |at: usize| (shares[(at, at)] / self.grid.areas[at]).max(0.0);
         let total: f64 = self.grid.areas.iter().sum();
         let mean_of = DVector::from_iterator(

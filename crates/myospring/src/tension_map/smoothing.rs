@@ -20,8 +20,11 @@ const EVEN_CELLS: usize = 999;
 
 /// A linear problem with a smooth solution: rows are measured numbers, columns the numbers of the
 /// map. The free motion of the whole cell is projected out of both.
+#[derive(Clone)]
 pub(super) struct Problem {
     pub(super) columns: DMatrix<f64>,
+    /// The products of the columns with each other.
+    pub(super) products: DMatrix<f64>,
     pub(super) seen: DVector<f64>,
     /// Measured numbers minus those of the free motion.
     pub(super) freedom: f64,
@@ -81,7 +84,7 @@ impl Problem {
 
     /// The matrix of the normal equations.
     pub(super) fn hessian(&self, lambda: f64) -> DMatrix<f64> {
-        self.columns.tr_mul(&self.columns) + &self.penalty * lambda
+        &self.products + &self.penalty * lambda
     }
 
     fn directions(&self) -> Option<Directions> {

@@ -1,9 +1,16 @@
 //! What several tests share.
-#![allow(dead_code, clippy::expect_used, reason = "no test uses all of it, and tests may fail")]
+#![allow(
+    dead_code,
+    unused_imports,
+    clippy::expect_used,
+    reason = "no test uses all of it, and tests may fail"
+)]
 
+mod sample;
 mod skipped;
 
-pub(crate) use skipped::shared_data;
+pub(crate) use sample::Sample;
+pub(crate) use skipped::{left_to_full, shared_data};
 
 use myospring::analysis::trace;
 use myospring::mesh::pixel_size::PixelSize;

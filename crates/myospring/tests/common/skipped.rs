@@ -37,6 +37,16 @@ pub(crate) fn skipped(missing: &str) {
     }
 }
 
+/// Whether all cases are asked for, as by `cargo xtask test --full`; if not, says that the running test is left to that.
+#[track_caller]
+pub(crate) fn left_to_full() -> bool {
+    let left = std::env::var_os("MYOSPRING_ALL_CASES").is_none();
+    if left {
+        skipped("`cargo xtask test --full`, as it takes long and others check much of it");
+    }
+    left
+}
+
 /// A file of the shared data, or `None` with a word about the test that is skipped.
 ///
 /// They lie in `shared/data` beside the project, or in the folder that `MYOSPRING_SHARED_DATA` names.

@@ -153,7 +153,10 @@ impl FilmScene {
         for _ in 0..12 {
             let moved =
                 if self.depth(rest) > -4.0 { self.displacement(rest, frame) } else { [0.0; 2] };
-            rest = [seen[0] - moved[0], seen[1] - moved[1]];
+            let before = std::mem::replace(&mut rest, [seen[0] - moved[0], seen[1] - moved[1]]);
+            if before.iter().zip(&rest).all(|(before, now)| (before - now).abs() < 1e-9) {
+                break;
+            }
         }
         // What is beside the cell stays where it is.
         if self.depth(rest) > -1.0 { rest } else { seen }

@@ -30,13 +30,7 @@ fn simulated(pulled: &Pulled, mesh: &Mesh, motion: &CellMotion, part: f64) -> Ve
         let positions = [0, 1].map(|axis: usize| {
             mesh.points[axis].iter().zip(&moved[axis]).map(|(rest, way)| rest + way).collect()
         });
-        Frame {
-            t_ms: t_ms - START_MS,
-            ta_kpa: 0.0,
-            ta_by_triangle_kpa: None,
-            on_gel_nn: None,
-            positions,
-        }
+        Frame::new(t_ms - START_MS, 0.0, positions)
     };
     FRAMES.iter().zip(&motion.times_ms).map(frame).collect()
 }

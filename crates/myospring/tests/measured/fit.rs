@@ -499,6 +499,9 @@ fn the_run_of_a_fit_to_a_train_that_began_before_its_curve_repeats_it() {
 
 #[test]
 fn a_train_that_never_becomes_steady_has_a_run_that_begins_at_rest() {
+    if crate::common::left_to_full() {
+        return;
+    }
     // At 130 ms the model follows no regular pattern.
     let times_ms: Vec<f64> = (0..1000).map(|frame| 2.0 * f64::from(frame)).collect();
     let stimuli: Vec<f64> = (0..15).map(|beat| 50.0 + 130.0 * f64::from(beat)).collect();

@@ -3,6 +3,7 @@
 use super::pulled_film::{FRAMES, Pulled, even, late_half, passive_nucleus, together, weak_half};
 use super::synthetic_cell::Random;
 use super::synthetic_film::FilmScene;
+use crate::common::Sample;
 use myospring::integrate::quasi_static::{Equilibrium, Tolerance};
 use myospring::mechanics::Tension;
 use myospring::mechanics::active::ActiveLaw;
@@ -70,7 +71,11 @@ fn wave([x, _]: [f64; 2]) -> f64 {
 
 #[test]
 fn a_smooth_map_is_found_to_a_hundredth_where_there_is_no_noise() {
+    let mut sample = Sample::one_in(3);
     for support in [FREE, SupportKind::ElasticBed { stiffness: 0.5 }, SupportKind::ClampedEnd] {
+        if sample.leaves_out() {
+            continue;
+        }
         let pulled = pulled(wave, support, 0.0);
         let (simulation, seen) = exact(&pulled, 2.0);
         let map = TensionMap::of(&simulation, &seen).unwrap();
@@ -96,6 +101,9 @@ fn a_smooth_map_is_found_to_a_hundredth_where_there_is_no_noise() {
 
 #[test]
 fn twice_the_stiffness_is_twice_the_tension_and_the_same_map() {
+    if crate::common::left_to_full() {
+        return;
+    }
     let pulled = pulled(weak_half, FREE, 0.0);
     let (simulation, seen) = exact(&pulled, 2.5);
     let once = TensionMap::of(&simulation, &seen).unwrap();
@@ -113,6 +121,9 @@ fn twice_the_stiffness_is_twice_the_tension_and_the_same_map() {
 
 #[test]
 fn shift_and_rotation_of_the_whole_cell_are_no_tension() {
+    if crate::common::left_to_full() {
+        return;
+    }
     let pulled = pulled(weak_half, FREE, 0.0);
     let (simulation, seen) = exact(&pulled, 2.5);
     let still = TensionMap::of(&simulation, &seen).unwrap();
@@ -135,6 +146,9 @@ fn shift_and_rotation_of_the_whole_cell_are_no_tension() {
 
 #[test]
 fn a_film_shows_a_weak_half_and_how_weak_it_is() {
+    if crate::common::left_to_full() {
+        return;
+    }
     for support in [FREE, SupportKind::ElasticBed { stiffness: 0.5 }] {
         let pulled = pulled(weak_half, support, 0.155);
         let mesh = pulled.mesh(1.2);
@@ -162,6 +176,9 @@ fn a_film_shows_a_weak_half_and_how_weak_it_is() {
 
 #[test]
 fn a_film_shows_a_passive_nucleus_as_far_as_its_noise_allows() {
+    if crate::common::left_to_full() {
+        return;
+    }
     let pulled = pulled(passive_nucleus, FREE, 0.155);
     let mesh = pulled.mesh(1.0);
     let seen = ObservedPeak::at_peak(&pulled.followed(&mesh));
@@ -178,8 +195,12 @@ fn a_film_shows_a_passive_nucleus_as_far_as_its_noise_allows() {
 
 #[test]
 fn an_even_cell_is_said_to_be_even() {
-    let mut uneven = 0;
+    if crate::common::left_to_full() {
+        return;
+    }
+    let (mut uneven, mut tried) = (0, 0);
     for seed in 1..=3 {
+        tried += 1;
         let mut pulled = pulled(even, FREE, 0.4);
         pulled.scene.seed = seed;
         let mesh = pulled.mesh(1.2);
@@ -193,7 +214,7 @@ fn an_even_cell_is_said_to_be_even() {
         assert!((map.mean_kpa - 35.0).abs() < 0.5, "{}", map.mean_kpa);
     }
     // The test errs in 5 % of films: in two of three by chance in 0.7 %.
-    assert!(uneven < 2, "{uneven} of 3");
+    assert!(uneven < 2, "{uneven} of {tried}");
 }
 
 #[test]
@@ -268,6 +289,9 @@ fn cut_strip(
 
 #[test]
 fn what_pulls_beyond_the_frame_is_not_taken_for_tension() {
+    if crate::common::left_to_full() {
+        return;
+    }
     // The part that is not seen pulls three times as hard, so it draws the other out.
     let tension = |[x, _]: [f64; 2]| if x < 60.0 { 20.0 + 5.0 * (x / 10.0).sin() } else { 60.0 };
     for support in [FREE, SupportKind::ElasticBed { stiffness: 0.5 }] {
@@ -293,6 +317,9 @@ fn what_pulls_beyond_the_frame_is_not_taken_for_tension() {
 
 #[test]
 fn noise_at_the_cut_is_no_unevenness() {
+    if crate::common::left_to_full() {
+        return;
+    }
     let (simulation, exact, _) = cut_strip(|_| 30.0, FREE);
     for seed in 0..5 {
         let mut random = Random(seed);
@@ -353,15 +380,23 @@ fn places_whose_standard_deviation_exceeds_half_of_their_tension_are_doubtful_an
 type Kind = (fn([f64; 2]) -> f64, SupportKind, fn([f64; 2]) -> usize);
 
 #[test]
+#[ignore = "slow"]
 fn bands_of_all_frames_have_the_true_tension() {
+    if crate::common::left_to_full() {
+        return;
+    }
     let bed = SupportKind::ElasticBed { stiffness: 0.5 };
     let kinds: [Kind; 4] = [
+        (passive_nucleus, bed, together),
         (even, bed, together),
         (weak_half, FREE, together),
-        (passive_nucleus, bed, together),
         (even, FREE, late_half),
     ];
+    let mut sample = Sample::one_in(4);
     for (number, (tension, support, lag)) in kinds.into_iter().enumerate() {
+        if sample.leaves_out() {
+            continue;
+        }
         let pulled = Pulled { lag, ..pulled(tension, support, 0.155) };
         let mesh = pulled.mesh(1.2);
         let motion = pulled.followed(&mesh);

@@ -1,5 +1,6 @@
 //! Films of several cells: all are followed together, and none stops the others.
 
+use crate::common::Sample;
 use myospring::experiment::input::ChosenSetting;
 use myospring::experiment::track::{FilmCell, Track, TrackCells, TrackedCells};
 use myospring::experiment::{Experiment, ExperimentError, Files, Outcome, save};
@@ -63,7 +64,11 @@ fn at(found: &TrackedCells, place: [f64; 2]) -> &FilmCell {
 
 #[test]
 fn cells_of_one_film_are_followed_apart_over_noise_and_distance() {
-    for (apart, noise) in [(-9.0, 0.0), (0.0, 0.3)] {
+    let mut sample = Sample::one_in(2);
+    for (apart, noise) in [(-9.0, 0.3), (0.0, 0.0)] {
+        if sample.leaves_out() {
+            continue;
+        }
         let film = dish(apart, noise);
         let (found, _folder) = followed(&film, &[]);
         let found = found.unwrap();
@@ -93,6 +98,9 @@ fn cells_of_one_film_are_followed_apart_over_noise_and_distance() {
 
 #[test]
 fn a_cell_cut_by_the_frame_is_followed_on_request_and_said_to_be_cut() {
+    if crate::common::left_to_full() {
+        return;
+    }
     let (found, _folder) =
         followed(&dish(0.0, 0.1), &[setting("segmentation.allow_cut", Value::Flag(true))]);
     let found = found.unwrap();
@@ -108,6 +116,7 @@ fn a_cell_cut_by_the_frame_is_followed_on_request_and_said_to_be_cut() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_cell_without_texture_is_a_row_with_the_reason() {
     let mut film = dish(0.0, 0.02);
     // So small strength of stripes that none of its points can be followed.

@@ -1,6 +1,7 @@
 //! Confidence asks whether it is a heart cell: what is none stays below what `batch` takes, and of two outlines the better
 //! one does not score less.
 
+use crate::common::Sample;
 use crate::common::{pixels_of, shared_data};
 use crate::no_cell::{Object, Taken, picture, uniform_block};
 use crate::synthetic_cell::Scene;
@@ -20,7 +21,9 @@ fn found(plane: &Plane, pixel_um: f64) -> Option<Segmentation> {
 }
 
 #[test]
+#[ignore = "slow"]
 fn nothing_that_is_no_whole_heart_cell_is_sure_at_any_scale_noise_contrast_and_depth() {
+    let mut sample = Sample::one_in(3);
     // Pixel, um, brightness, noise, largest value.
     let ways = [
         (0.25, 150.0, 3.0, 255.0),
@@ -31,6 +34,9 @@ fn nothing_that_is_no_whole_heart_cell_is_sure_at_any_scale_noise_contrast_and_d
     ];
     for object in Object::ALL {
         for (pixel_um, bright, noise, largest) in ways {
+            if sample.leaves_out() {
+                continue;
+            }
             let plane = picture(object, Taken { pixel_um, bright, noise, largest, seed: 3 });
             let Some(found) = found(&plane, pixel_um) else { continue };
             for cell in &found.cells {
@@ -91,8 +97,12 @@ fn a_cell_that_was_sure_stays_sure_at_any_scale_noise_contrast_and_overexposure(
 
 #[test]
 fn the_whole_of_a_cell_with_a_dim_half_is_found_and_scores_more_than_its_bright_half() {
+    let mut sample = Sample::one_in(3);
     for dim_half in [0.7, 0.4, 0.2, 0.12] {
         for noise in [5.0, 20.0] {
+            if sample.leaves_out() {
+                continue;
+            }
             let scene =
                 Scene { dim_half, noise, pixel_um: 0.4, field_um: 130.0, ..Scene::default() };
             let truth = scene.fluorescence();
@@ -116,10 +126,15 @@ fn the_whole_of_a_cell_with_a_dim_half_is_found_and_scores_more_than_its_bright_
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_uniform_block_is_never_surely_a_cell_whatever_its_size_noise_blur_and_pixel() {
+    let mut sample = Sample::one_in(3);
     for (size_um, pixel_um) in [(25.0, 0.25), (60.0, 0.25), (60.0, 0.65), (110.0, 0.5)] {
         for lens_um in [0.3, 0.8] {
             for noise in [4.0, 100.0, 200.0, 400.0] {
+                if sample.leaves_out() {
+                    continue;
+                }
                 let plane = uniform_block(size_um, pixel_um, noise, lens_um);
                 let Some(found) = found(&plane, pixel_um) else { continue };
                 // Where noise and blur hide all texture, it may be a cell; that is said. A striped cell that is blurred as
@@ -169,7 +184,9 @@ fn a_dim_half_that_noise_hides_from_single_pixels_is_not_forgotten() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_blurred_cell_is_neither_sure_nor_hopeless_and_the_blur_is_said() {
+    let mut sample = Sample::one_in(5);
     for pixel_um in [0.1, 0.25, 0.5] {
         for (blur_um, contrast, noise) in [
             (0.8, 0.3, 100.0),
@@ -179,6 +196,9 @@ fn a_blurred_cell_is_neither_sure_nor_hopeless_and_the_blur_is_said() {
             (1.2, 0.3, 50.0),
             (2.0, 1.0, 10.0),
         ] {
+            if sample.leaves_out() {
+                continue;
+            }
             let scene = Scene { pixel_um, contrast, noise, blur_um, ..Scene::default() };
             let truth = scene.fluorescence();
             let found = found(&truth.plane, pixel_um).unwrap();
@@ -237,6 +257,7 @@ fn real(file: &str, pixel_um: Option<f64>) -> Option<PictureCells> {
 }
 
 #[test]
+#[ignore = "slow"]
 fn of_real_sheets_tissues_and_captions_no_cell_is_sure() {
     for (file, pixel_um, words) in [
         ("sh_mp1_f0.png", 0.483, ["burned into", "looks like a sheet"]),

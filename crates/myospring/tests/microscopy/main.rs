@@ -40,6 +40,8 @@ mod interruption;
 mod marks;
 mod masks;
 mod motion;
+#[cfg(feature = "run-file")]
+mod optical;
 mod outlines_damaged;
 mod outlines_given;
 mod outlines_traced;

@@ -2,6 +2,7 @@
 //! the fixed-step oracle, and in its corners: switches, sliding, stimuli.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use crate::common::Sample;
 use myospring::cell::adaptive::{self, AdaptiveIntegrator, AdaptiveSettings, beats};
 use myospring::cell::batch::{self, BatchSettings, CellBeat, Paced};
 use myospring::cell::bueno_orovio_2008::{self, Variant};
@@ -173,6 +174,7 @@ fn perturbed(model: &MinimalModel, seed: u32) -> MinimalModel {
 }
 
 #[test]
+#[ignore = "slow"]
 fn perturbed_cells_agree_with_the_fixed_step_oracle_within_a_tenth_of_a_millisecond() {
     let fine = solve::SolverSettings { step_ms: 0.0005, ..solve::SolverSettings::default() };
     let check = &|model: &MinimalModel, case: &str| {
@@ -196,7 +198,11 @@ fn perturbed_cells_agree_with_the_fixed_step_oracle_within_a_tenth_of_a_millisec
     std::thread::scope(|scope| {
         for (which, base) in all_models().into_iter().enumerate() {
             scope.spawn(move || {
+                let mut sample = Sample::one_in(3);
                 for seed in 0..3 {
+                    if sample.leaves_out() {
+                        continue;
+                    }
                     let model = perturbed(&base, 10 * which as u32 + seed);
                     check(&model, &format!("{} {seed}", base.name()));
                 }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use super::quasi_static::{cell, largest_difference, tear_drop};
+use crate::common::Sample;
 use myospring::cell::land_2017::Land2017;
 use myospring::cell::{CellModel, pacing::Protocol};
 use myospring::integrate::quasi_static::{Path, Tolerance};
@@ -124,23 +125,29 @@ fn a_thin_gel_is_an_elastic_bed_but_for_its_rim() {
     // Displacements decay over sqrt(E w h/G), here 35 um, far more than the thickness of the gel.
     let gel = Gel { thickness: Some(2.0), ..Gel::half_space(15.0) };
     let bed = SupportKind::ElasticBed { stiffness: gel.shear_modulus() / 2.0 };
-    let stiffer = [12, 24, 48].map(|width| {
+    let mut sample = Sample::one_in(2);
+    // Beside the cell and beyond its ends a strip of gel as wide as a part of its thickness is drawn along.
+    for width in [12, 48, 24] {
+        if sample.leaves_out() {
+            continue;
+        }
         let mesh = lattice::rectangle(120, width, 1.0).unwrap();
         let [on_gel, on_bed] = [SupportKind::Gel(gel), bed].map(|support| {
             let (body, system) = cell(&mesh, &default_material(), support);
             let path = Path::solve(&system, &body, 1.0, Tolerance::default()).unwrap();
             path.positions(1.0).unwrap()[0][121 * (width / 2)]
         });
-        1.0 - on_gel / on_bed
-    });
-    // Beside the cell and beyond its ends a strip of gel as wide as a part of its thickness is drawn along.
-    for (stiffer, width) in stiffer.into_iter().zip([12.0, 24.0, 48.0]) {
-        assert!((0.0..2.0 / width + 2.0 / 35.0).contains(&stiffer), "{width} um wide: {stiffer}");
+        let stiffer = 1.0 - on_gel / on_bed;
+        let most = 2.0 / width as f64 + 2.0 / 35.0;
+        assert!((0.0..most).contains(&stiffer), "{width} um wide: {stiffer}");
     }
 }
 
 #[test]
 fn the_cell_comes_to_rest_on_its_path_in_time_too() {
+    if crate::common::left_to_full() {
+        return;
+    }
     let mesh = tear_drop(4.0);
     let support = SupportKind::Gel(Gel::half_space(20.0));
     let (body, system) = cell(&mesh, &default_material(), support);
@@ -158,6 +165,9 @@ fn the_cell_comes_to_rest_on_its_path_in_time_too() {
 
 #[test]
 fn myofilaments_that_feel_length_pull_stronger_on_a_stiffer_gel() {
+    if crate::common::left_to_full() {
+        return;
+    }
     let model = Land2017::published();
     let beat = |modulus| {
         let mut simulation = Simulation {
@@ -165,7 +175,7 @@ fn myofilaments_that_feel_length_pull_stronger_on_a_stiffer_gel() {
             cell: Arc::new(model.clone()),
             material: myofilament_material(),
             duration: 160.0,
-            ..on(Gel::half_space(modulus), 5.0)
+            ..on(Gel::half_space(modulus), 7.0)
         };
         simulation.numerics.exchange_interval = 1.0;
         simulation.numerics.output_interval = 1.0;

@@ -191,6 +191,7 @@ fn triangles_that_feel_their_own_stretch_are_the_whole_cell_where_all_are_alike(
 }
 
 #[test]
+#[ignore = "slow"]
 fn triangles_that_differ_are_found_at_any_exchange_interval_and_in_time() {
     let run = |method, exchange_interval: f64| {
         let simulation = weak_half();
@@ -201,6 +202,9 @@ fn triangles_that_differ_are_found_at_any_exchange_interval_and_in_time() {
     let peak = fine.iter().copied().fold(0.0, f64::max);
     let off = largest_difference(&run(Method::QuasiStatic, 1.0), &fine);
     assert!(off < 1e-3 * peak, "{off} of {peak} %");
+    if crate::common::left_to_full() {
+        return;
+    }
     let moving = run(Method::Verlet(Integrator::StoermerVerlet), 0.25);
     let off = largest_difference(&moving[20..], &fine[20..]);
     // 1.7e-3: the halves swing a little where the motion is in time.

@@ -30,6 +30,8 @@ mod shared_runs;
 mod solid;
 mod supports;
 mod thick;
+#[cfg(feature = "run-file")]
+mod tissue;
 mod tor_ord;
 mod upstroke;
 mod viscosity;

@@ -111,7 +111,11 @@ fn cell_of(model: &Arc<dyn CellModel>, way: Way) -> Simulation {
 }
 
 #[test]
+#[ignore = "slow"]
 fn an_extra_beat_is_the_same_in_time_along_equilibria_and_from_one_to_the_next() {
+    if crate::common::left_to_full() {
+        return;
+    }
     let model = cell::model("bueno_orovio_2008_endo").unwrap();
     let run = |simulation: &Simulation| {
         let outcome = simulation.build().unwrap().run(|_progress| true);

@@ -53,6 +53,7 @@ fn peak(simulation: &Simulation) -> f64 {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_cell_of_any_profile_shortens_and_widens_as_its_material_says() {
     // From the energy of a homogeneous cell alone (a separate program): 12.00, 9.96 and 7.75 % at 50, 40 and 30 kPa, widening
     // 6.43 %, area -6.34 %, volume -0.32 %.
@@ -83,7 +84,11 @@ fn a_cell_of_any_profile_shortens_and_widens_as_its_material_says() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_thick_cell_moves_in_time_as_along_its_equilibria() {
+    if crate::common::left_to_full() {
+        return;
+    }
     let mut simulation = block();
     // The slowest vibration is a hundredth of the twitch, and volume is kept less strictly: larger steps.
     simulation.material.poisson_ratio = 0.4;
@@ -109,6 +114,9 @@ fn a_thick_cell_moves_in_time_as_along_its_equilibria() {
 
 #[test]
 fn a_bed_under_a_thick_cell_holds_its_lower_face_more_than_its_upper_one() {
+    if crate::common::left_to_full() {
+        return;
+    }
     // 100 x 20 x 10 um, 50 kPa: shortening of the lower and the upper face by a separate program.
     let mut simulation =
         cell(&rectangle(100.0, 20.0), Form { profile: Profile::Slab, thickness: 10.0 }, 2.0);
@@ -156,6 +164,9 @@ fn fibres_that_turn_through_the_thickness_shorten_the_cell_less_and_keep_its_vol
 
 #[test]
 fn stiffness_along_the_fibre_adds_to_that_along_it_and_not_across() {
+    if crate::common::left_to_full() {
+        return;
+    }
     // Small tension along stiff fibres: strain Ta/(E + k_f).
     let mut simulation = block();
     let Material { stiffness: Stiffness::YoungModulus(modulus), .. } = simulation.material else {

@@ -129,6 +129,7 @@ fn beat(model: &(dyn CellModel + 'static), beats: u32, cycle_length_ms: f64) -> 
 }
 
 #[test]
+#[ignore = "slow"]
 fn after_a_hundred_beats_the_cell_without_myofilaments_is_that_of_cvode() {
     for line in include_str!("../reference/tor_ord_beats.csv").lines().skip(1) {
         let (name, numbers) = line.split_once(',').unwrap();
@@ -171,14 +172,17 @@ fn with_myofilaments_a_beat_of_each_layer_is_that_of_an_independent_program() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn blocked_channels_and_other_rates_change_it_as_in_an_independent_program() {
     let published = model("tor_ord_land");
     // Factor on a conductance, APD90, largest calcium, tension; that program looked at the 60th beat.
-    for (name, factor, apd90, calcium, tension) in [
-        ("P_Ca", 0.75, 258.3, 347.0, 11.4),
-        ("P_Ca", 0.5, 240.3, 229.0, 3.20),
-        ("G_Kr", 0.5, 363.3, 514.0, 28.0),
-    ] {
+    let mut sample = crate::common::Sample::one_in(2);
+    for (name, factor, apd90, calcium, tension) in
+        [("P_Ca", 0.5, 240.3, 229.0, 3.20), ("G_Kr", 0.5, 363.3, 514.0, 28.0)]
+    {
+        if sample.leaves_out() {
+            continue;
+        }
         let mut parameters = published.parameters().clone();
         parameters.set(name, factor * parameters.get(name).unwrap()).unwrap();
         let found = beat(&*published.with_parameters(parameters).unwrap(), 60, 1000.0);
@@ -187,9 +191,10 @@ fn blocked_channels_and_other_rates_change_it_as_in_an_independent_program() {
         assert!((found.tension - tension).abs() < 0.06, "{name}: {} kPa", found.tension);
     }
     // Cycle length, APD90, tension, at rest in its rhythm.
-    for (cycle_ms, apd90, tension) in
-        [(2000.0, 296.5, 14.6), (667.0, 252.4, 29.0), (500.0, 235.2, 31.5), (400.0, 220.4, 32.6)]
-    {
+    for (cycle_ms, apd90, tension) in [(400.0, 220.4, 32.6), (2000.0, 296.5, 14.6)] {
+        if sample.leaves_out() {
+            continue;
+        }
         let found = beat(&*published, 100, cycle_ms);
         assert!((found.apd90_ms - 0.9 - apd90).abs() < 0.2, "{cycle_ms}: {} ms", found.apd90_ms);
         assert!((found.tension - tension).abs() < 0.06, "{cycle_ms}: {} kPa", found.tension);

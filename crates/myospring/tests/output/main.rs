@@ -1,6 +1,9 @@
 //! Figures and tables of made-up beats.
 #![allow(clippy::unwrap_used)] // In tests a panic is the message.
 
+#[path = "../common/mod.rs"]
+mod common;
+
 mod drawn;
 mod film;
 mod members;

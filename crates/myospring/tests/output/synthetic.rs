@@ -103,13 +103,7 @@ pub(crate) fn recording(mesh: &Mesh, fibre: [f64; 2], peak_tension: f64, in_mv: 
                     (fibre[0] * a - fibre[1] * b, fibre[1] * a + fibre[0] * b)
                 })
                 .unzip();
-            Frame {
-                t_ms: t,
-                ta_kpa: 50.0 * s,
-                ta_by_triangle_kpa: None,
-                on_gel_nn: None,
-                positions: [xs, ys],
-            }
+            Frame::new(t, 50.0 * s, [xs, ys])
         })
         .collect();
     Recording { samples, frames, ..Recording::default() }

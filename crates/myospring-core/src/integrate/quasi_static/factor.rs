@@ -17,7 +17,7 @@ pub(super) use error::FactorError;
 use crate::interruption::Interruption;
 use crate::mechanics::Vectors;
 use crate::mechanics::stiffness::StiffnessMatrix;
-use dense::Eliminate;
+use dense::{Eliminate, Eliminated};
 use dissection::{Graph, dissect};
 use fronts::{Front, Fronts};
 use std::ops::Range;
@@ -139,7 +139,7 @@ impl<const D: usize> Elimination<'_, D> {
         }
         let [rows, columns] = front.size();
         let interruption = self.interruption;
-        pulp::Arch::new().dispatch(Eliminate { panel, rows, columns, rest, packed, interruption })
+        Eliminate { panel, rows, columns, rest, packed, interruption }.run()
     }
 }
 
@@ -299,18 +299,8 @@ impl<const D: usize> Substitution<'_, D> {
         border.clear();
         border.resize(rows - columns, 0.0);
         let own = &mut right[D * front.own.start..D * front.own.end];
-        for column in 0..columns {
-            let entries = &self.entries[front.entries.start + column * rows..][..rows];
-            let value = own[column] / entries[column];
-            own[column] = value;
-            let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
-            for (sum, entry) in own[column + 1..].iter_mut().zip(inner) {
-                *sum -= value * entry;
-            }
-            for (sum, entry) in border.iter_mut().zip(outer) {
-                *sum += value * entry;
-            }
-        }
+        let panel = &self.entries[front.entries.clone()];
+        Eliminated { panel, own, border }.take_off();
         for (parts, &place) in border.chunks_exact(D).zip(&front.border) {
             for (axis, part) in parts.iter().enumerate() {
                 right[D * place + axis] -= part;
@@ -336,30 +326,12 @@ impl<const D: usize> Substitution<'_, D> {
     }
 
     fn put_back(&self, front: &Front<D>, right: &mut [f64], border: &mut Vec<f64>) {
-        let [rows, columns] = front.size();
         border.clear();
         border.extend(front.border.iter().flat_map(|&at| &right[D * at..D * (at + 1)]));
         let own = &mut right[D * front.own.start..D * front.own.end];
-        for column in (0..columns).rev() {
-            let entries = &self.entries[front.entries.start + column * rows..][..rows];
-            let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
-            let sum = dot(inner, &own[column + 1..]) + dot(outer, border);
-            own[column] = (own[column] - sum) / entries[column];
-        }
+        let panel = &self.entries[front.entries.clone()];
+        Eliminated { panel, own, border }.put_back();
     }
-}
-
-/// Scalar product in eight partial sums, for vector units.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut lanes = [0.0; 8];
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    for (a, b) in a.iter().zip(b) {
-        for lane in 0..8 {
-            lanes[lane] += a[lane] * b[lane];
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    lanes.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]

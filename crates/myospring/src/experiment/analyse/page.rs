@@ -4,6 +4,7 @@ use super::curve::AnalysedCurve;
 use super::figures;
 use super::pairs::PairedCurves;
 use super::record::{KEY, Mean, conventions, means, means_of};
+use super::shown::Shown;
 use crate::analysis::curve::{Analysis, CurveBeat, State};
 use crate::experiment::legible::number;
 use crate::output::figure::Measured;
@@ -24,6 +25,7 @@ const PAIRS: usize = 12;
 pub(super) fn html(
     all: &[AnalysedCurve],
     pairs: &[PairedCurves],
+    shown: Option<&Shown>,
     warnings: Vec<String>,
 ) -> Result<String, PageError> {
     let several = files(all).len() > 1;
@@ -40,6 +42,10 @@ pub(super) fn html(
             hint: "Mean \u{b1} SD over the beats that count.".to_owned(),
             ..Section::new("all", "All curves", vec![Part::Table(by_curve(all, several))])
         }),
+    }
+    if let Some(Shown { id, title, words, figure }) = shown {
+        let figure = Part::Figure(Drawing::new(figure, words)?);
+        sections.push(Section { hint: words.clone(), ..Section::new(id, title, vec![figure]) });
     }
     if !pairs.is_empty() {
         sections.push(together(all, pairs)?);

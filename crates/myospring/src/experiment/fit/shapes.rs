@@ -212,6 +212,8 @@ impl Shapes {
                 quantity: "Distance (\u{b5}m)".to_owned(),
                 limits: None,
                 doubts: None,
+                hatched: figure::NOT_KNOWN,
+                dots: None,
             },
         ];
         let cell = figure::DrawnCell::new(fields, Some(&shaped.outline))?;
@@ -279,6 +281,8 @@ fn strain<'f>(name: &str, frame: &'f Frame, values: &[f64], limits: [f64; 2]) ->
         quantity: "Strain along the fibre (%)".to_owned(),
         limits: Some(limits),
         doubts: None,
+        hatched: figure::NOT_KNOWN,
+        dots: None,
     }
 }
 

@@ -1,5 +1,6 @@
 //! The figures of a run.
 
+use super::activation;
 use super::finished::Finished;
 use crate::analysis::bands::{Band, band};
 use crate::experiment::overlay::{self, Lattice};
@@ -34,7 +35,7 @@ pub(in crate::experiment) fn write(
     let on_gel = recording.frames.iter().any(|frame| frame.on_gel_nn.is_some());
     let options = ContractionOptions {
         stimulus_times_ms: stimuli.to_vec(),
-        reference_band: reference.filter(|_| !held && !on_gel),
+        reference_band: reference.filter(|_| !held && !on_gel && recording.wave.is_none()),
     };
     let label = run.strength();
     let overlay = || {
@@ -53,7 +54,7 @@ pub(in crate::experiment) fn write(
         let drawn = DrawnThickCell::new(fields, simulation.long_axis)?;
         figure::thick_cell(&drawn, &figure::key_shapes_in_space(recording, stimuli))
     };
-    let all: [(bool, (&str, Draw<'_>)); 9] = [
+    let all: [(bool, (&str, Draw<'_>)); 10] = [
         (picture.is_some(), ("overlay", &overlay)),
         (true, ("overview", &|| figure::overview(cell()?, recording, stimuli))),
         (true, ("cell", &|| figure::cell_shapes(cell()?, &figure::key_shapes(recording, stimuli)))),
@@ -66,6 +67,7 @@ pub(in crate::experiment) fn write(
             }),
         ),
         (true, ("contraction", &|| figure::contraction(&[(&label, recording)], &options))),
+        (recording.wave.is_some(), ("activation", &|| activation::draw(finished))),
         (held, ("work_loop", &|| figure::work_loop(recording, stimuli))),
         (on_gel, ("traction", &|| figure::traction(cell()?, recording, stimuli))),
     ];

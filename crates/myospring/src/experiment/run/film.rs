@@ -20,11 +20,10 @@ fn each(
 ) -> Result<(), ExperimentError> {
     let cell = finished.cell()?;
     let recording = &finished.outcome.recording;
+    // In a tissue, waves go on between stimuli.
+    let stimuli = if recording.wave.is_some() { &[] } else { finished.stimuli };
     for (name, slowed) in FILMS {
-        write(
-            name,
-            &BeatFilm::new(&cell, recording, finished.stimuli, slowed, finished.style.theme)?,
-        )?;
+        write(name, &BeatFilm::new(&cell, recording, stimuli, slowed, finished.style.theme)?)?;
     }
     Ok(())
 }

@@ -6,14 +6,15 @@ use crate::mesh::outline::Outline;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::output::field::{Field, Fields};
 use crate::output::figure::{DrawnCell, FigureError, Theme};
+use crate::recording::Frame;
 use crate::settings::{Fibres, Run};
 use crate::simulation::{Outcome, Simulation};
 
 /// How figures and films look.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Style {
-    /// What the cell is coloured by.
-    pub colour: Field,
+    /// What the cell is coloured by; unless given, [`Field::most_telling`].
+    pub colour: Option<Field>,
     /// Light or dark.
     pub theme: Theme,
 }
@@ -42,11 +43,18 @@ pub(crate) struct Finished<'a> {
 }
 
 impl<'a> Finished<'a> {
+    /// What the cell is coloured by: what was asked for, if the run has it.
+    pub(crate) fn colour(&self) -> Field {
+        let frames: Vec<&Frame> = self.outcome.recording.frames.iter().collect();
+        let asked = self.style.colour.filter(|field| field.is_known(&frames, true));
+        asked.unwrap_or_else(|| Field::most_telling(&frames))
+    }
+
     /// The cell as figures and films draw it, with one colour scale for the whole run.
     pub(super) fn cell(&self) -> Result<DrawnCell<'a>, FigureError> {
         let Simulation { mesh, fibres, myofibril_content, .. } = self.simulation;
         let fields = Fields::new(mesh, fibres, myofibril_content.as_deref())?;
-        let cell = DrawnCell::new(fields, Some(self.outline))?.coloured_by(self.style.colour);
+        let cell = DrawnCell::new(fields, Some(self.outline))?.coloured_by(self.colour());
         Ok(cell.scaled_to(&self.outcome.recording.frames))
     }
 }

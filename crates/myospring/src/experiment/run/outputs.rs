@@ -2,7 +2,7 @@
 //! word.
 
 use super::finished::Finished;
-use super::{figures, film, on_gel, page};
+use super::{activation, figures, film, on_gel, page};
 use crate::clock::Stopwatch;
 use crate::experiment::{ExperimentError, Folder};
 use crate::output::{frames, vtu};
@@ -33,7 +33,7 @@ pub struct Output {
 
 /// The outputs in the order in which they are written; people are asked to open the first that can
 /// be opened.
-pub const OUTPUTS: [Output; 7] = [
+pub const OUTPUTS: [Output; 8] = [
     Output {
         word: "report",
         about: "the beating cell with curves, numbers and sources, a page for the browser (report.html)",
@@ -59,8 +59,16 @@ pub const OUTPUTS: [Output; 7] = [
         write: on_gel::write,
     },
     Output {
+        word: "activation",
+        about: "of a tissue: when each place was activated and for how long (activation.csv), and where waves ended (tips.csv)",
+        look: None,
+        by_default: true,
+        is_drawn: false,
+        write: activation::write,
+    },
+    Output {
         word: "gif",
-        about: "film of the first beat, slowed 5 times and in real time (beat.gif, beat_real_time.gif)",
+        about: "film of the first beat (of a tissue of the whole run, at most 2 s), slowed 5 times and in real time (beat.gif, beat_real_time.gif)",
         look: Some("beat.gif"),
         by_default: false,
         is_drawn: true,

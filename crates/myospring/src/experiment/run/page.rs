@@ -1,10 +1,12 @@
 //! `report.html` of a run.
 
+use super::activation;
 use super::finished::Finished;
 use super::record::resolved;
 use crate::experiment::{ExperimentError, Folder, Inputs, citations};
 use crate::output::page::{
-    self, Page, PageError, PageRun, ParameterGroup, ParameterRow, Photograph, Runs, ThickCell,
+    self, Drawing, Page, PageError, PageRun, ParameterGroup, ParameterRow, Part, Photograph, Runs,
+    Section, ThickCell,
 };
 use crate::recording::Recording;
 use crate::settings::{self, Run, Value};
@@ -23,13 +25,19 @@ pub(super) fn of(
     finished: &Finished<'_>,
     make: impl FnOnce(&Page<'_>) -> Result<String, PageError>,
 ) -> Result<String, ExperimentError> {
-    let Finished { name, run, .. } = finished;
+    let Finished { name, run, outcome, .. } = finished;
     let title = if run.title.is_empty() { name } else { run.title.as_str() };
     let texts = Texts::of(finished);
     let runs = Runs { runs: vec![on_page(finished, &texts)], differences: &[] };
     let stop = finished.outcome.stop.as_ref();
     let stopped = stop.map(|stop| format!("the run stopped early: {stop}"));
-    let mut sections = vec![runs.key_numbers(), runs.beat(finished.style.colour, Vec::new())];
+    let mut sections = vec![runs.key_numbers(), runs.beat(finished.colour(), Vec::new())];
+    if outcome.recording.wave.is_some() {
+        let words =
+            "The tissue, coloured by the time of activation, and by the action potential duration.";
+        let map = Part::Figure(Drawing::new(&activation::draw(finished)?, words)?);
+        sections.push(Section::new("activation", "How the beat spreads", vec![map]));
+    }
     sections.extend(runs.record());
     let page = Page {
         kind: "A beat by Myospring",

@@ -8,11 +8,9 @@ use super::record::{Stop, Timings, resolved};
 use crate::clock::Stopwatch;
 use crate::experiment::{ExperimentError, Folder, Inputs, Observer, Outcome, fibres};
 use crate::integrate::engine::EngineUsed;
-use crate::output::field::Field;
 use crate::output::figure::{self, Figure, FigureError};
 use crate::output::page::{Page, PageError};
 use crate::output::{csv, json};
-use crate::recording::Frame;
 use crate::settings::{Fibres, Run};
 use crate::simulation::{self, Effort, Simulation};
 use crate::study::sha256;
@@ -102,18 +100,11 @@ impl FinishedRun {
         // From here on the result is complete, even if outputs fail.
         folder.write("run.json", record(self.timings, &WrittenOutputs::default())?)?;
         let stimuli = run.stimulus_times();
-        let frames: Vec<&Frame> = outcome.recording.frames.iter().collect();
-        let is_known = style.colour.is_known(&frames, true);
-        if !is_known {
-            observer.warn(&format!(
-                "the cell adheres to no gel, so it has no {} to be coloured by; it is coloured by {}",
-                style.colour.word(),
-                Field::default().word()
-            ));
-        }
-        let colour = if is_known { style.colour } else { Field::default() };
-        let style = Style { colour, ..style };
         let finished = self.finished(&numbers, &stimuli, style, &inputs, observer);
+        if let Some(asked) = style.colour.filter(|asked| *asked != finished.colour()) {
+            let (asked, colour) = (asked.word(), finished.colour().word());
+            observer.warn(&format!("this run has no {asked}; it is coloured by {colour}"));
+        }
         let written = outputs::write(folder, outputs, &finished);
         let mut timings = self.timings;
         timings.outputs_s = start.elapsed().as_secs_f64();

@@ -3,6 +3,7 @@
 use crate::experiment::input::ChosenSetting;
 use crate::experiment::refused::Place;
 use crate::microscopy::motion::TrackingSettings;
+use crate::settings::Value;
 use std::path::PathBuf;
 
 /// Follows the cell of a film.
@@ -36,6 +37,16 @@ impl Track {
             refused: None,
             outputs: Output::DEFAULT.to_vec(),
         }
+    }
+
+    /// The frame that the settings state, from 0.
+    pub(in crate::experiment) fn stated_frame(&self) -> Option<usize> {
+        self.settings.iter().find_map(|(setting, value)| match value {
+            Value::Whole(frame) if setting.key == "segmentation.frame" => {
+                usize::try_from(*frame).ok()
+            }
+            _ => None,
+        })
     }
 }
 

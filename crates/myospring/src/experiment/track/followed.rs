@@ -67,9 +67,19 @@ pub(super) fn settled(
     Ok(settle_with(None, &track.settings, own, files, &observer.interruption())?.1)
 }
 
-impl AtRest {
-    /// Opens a film and finds its frame at rest.
-    pub(super) fn find(
+/// A film, and what its settings say of it.
+pub(in crate::experiment) struct OpenedFilm {
+    pub(in crate::experiment) film: Film,
+    run: Run,
+    pub(in crate::experiment) frames_per_second: f64,
+}
+
+impl OpenedFilm {
+    /// Opens the film that is to be tracked.
+    ///
+    /// # Errors
+    /// A film that cannot be read, or whose frame rate is not known.
+    pub(in crate::experiment) fn of(
         track: &Track,
         files: &Files,
         observer: &dyn Observer,
@@ -93,17 +103,30 @@ impl AtRest {
             let source = PixelSizeSource::TiffResolution;
             film.pixel_size = Some(StatedPixelSize { size, source });
         }
-        let frames_per_second = rate(track, &film).map_err(|message| {
+        let frames_per_second = rate(track.frame_rate, &film).map_err(|message| {
             failed(&message).advise("give it like --frame-rate 30, as the camera was set")
         })?;
+        Ok(Self { film, run, frames_per_second })
+    }
+}
+
+impl AtRest {
+    /// Opens a film and finds its frame at rest.
+    pub(super) fn find(
+        track: &Track,
+        files: &Files,
+        observer: &dyn Observer,
+    ) -> Result<Self, ExperimentError> {
+        let OpenedFilm { film, mut run, frames_per_second } =
+            OpenedFilm::of(track, files, observer)?;
+        let failed = |error: &dyn std::fmt::Display| {
+            ExperimentError::new(format!("`{}`: {error}", track.film.display()))
+        };
+        let Source::Picture(source) = &mut run.shape.source else {
+            return Err(failed(&"it is not a film"));
+        };
         observer.stage("frame at rest", 1);
-        let frame = track.settings.iter().find_map(|(setting, value)| match value {
-            Value::Whole(frame) if setting.key == "segmentation.frame" => {
-                usize::try_from(*frame).ok()
-            }
-            _ => None,
-        });
-        let rest = match frame {
+        let rest = match track.stated_frame() {
             Some(frame) => Rest::at(&film, frame),
             None => Rest::find(&film),
         };
@@ -260,9 +283,9 @@ pub(super) fn unfollowed(track: &Track, cause: &MotionError) -> ExperimentError 
     ExperimentError::new(format!("`{}`: {cause}", track.film.display()))
 }
 
-/// Frames a second, or why they are not known.
-fn rate(track: &Track, film: &Film) -> Result<f64, String> {
-    let Some(rate) = track.frame_rate.or(film.frames_per_second) else {
+/// Frames a second, those that are stated or those of the film; or why they are not known.
+pub(in crate::experiment) fn rate(stated: Option<f64>, film: &Film) -> Result<f64, String> {
+    let Some(rate) = stated.or(film.frames_per_second) else {
         return Err("the film does not say how many frames a second it has".to_owned());
     };
     let most = TrackingSettings::HIGHEST_FRAME_RATE;

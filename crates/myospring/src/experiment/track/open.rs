@@ -12,6 +12,17 @@ use std::process::{Command, Stdio};
 /// Endings of films that the library reads.
 const FILM_ENDINGS: [&str; 4] = ["tif", "tiff", "avi", "y4m"];
 
+/// Whether a file is a film by its ending, also one that only ffmpeg reads; and whether a folder holds nothing but pictures.
+pub(in crate::experiment) fn is_film(path: &Path) -> bool {
+    if let Ok(entries) = fs::read_dir(path) {
+        let mut endings = entries.filter_map(|entry| Some(ending(&entry.ok()?.path()))).peekable();
+        return endings.peek().is_some()
+            && endings.all(|ending| PICTURE_ENDINGS.contains(&ending.as_str()));
+    }
+    let ending = ending(path);
+    FILM_ENDINGS.iter().chain(&["mp4", "mov", "m4v", "mkv", "webm"]).any(|film| *film == ending)
+}
+
 /// A name for results: that of the film without its ending.
 pub(in crate::experiment) fn name(path: &Path, files: &Files) -> Result<String, ExperimentError> {
     // Before anything else is said about it.

@@ -50,13 +50,7 @@ pub(super) fn write(
 /// The frames in the form of those of a run, without tension.
 fn shapes(followed: &Followed) -> Vec<Frame> {
     let motion = &followed.motion;
-    let frame = |at: usize| Frame {
-        t_ms: motion.times_ms[at],
-        ta_kpa: f64::NAN,
-        ta_by_triangle_kpa: None,
-        on_gel_nn: None,
-        positions: motion.positions(at),
-    };
+    let frame = |at: usize| Frame::new(motion.times_ms[at], f64::NAN, motion.positions(at));
     (0..motion.len()).map(frame).collect()
 }
 

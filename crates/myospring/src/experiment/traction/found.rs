@@ -217,13 +217,9 @@ impl FoundTractions {
             let means = mesh.areas.iter().enumerate();
             means.map(|(place, area)| 1e-3 * mean(place) * area).collect()
         });
-        let frame = Frame {
-            t_ms: self.frames[at].t_ms.unwrap_or(f64::NAN),
-            ta_kpa: f64::NAN,
-            ta_by_triangle_kpa: None,
-            on_gel_nn: Some(forces),
-            positions: mesh.points.clone(),
-        };
+        let t_ms = self.frames[at].t_ms.unwrap_or(f64::NAN);
+        let still = Frame::new(t_ms, f64::NAN, mesh.points.clone());
+        let frame = Frame { on_gel_nn: Some(forces), ..still };
         // Without times there is no curve, only the map.
         let timed: Vec<(f64, &TractionFrame)> =
             self.frames.iter().filter_map(|frame| Some((frame.t_ms?, frame))).collect();

@@ -42,7 +42,7 @@ pub(super) const ROWS: &[Setting] = &[
     Setting::quantity(
         "material.thickness",
         "Thickness of the cell; where it varies, the greatest.",
-        Bounds::any(Dimension::Length, "10 um").above(0.0).to(100.0),
+        Bounds::any(Dimension::Length, "10 um").above(0.0).to(5000.0),
         |run| run.shape.slices().is_none().then_some(run.material.thickness),
         |run, thickness| {
             run.material.thickness = thickness;

@@ -14,6 +14,7 @@ use super::super::words::{Word, Worded, choose, worded};
 use crate::integrate::Method;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::gel::{Adhesion, Gel};
+use crate::mechanics::post::Post;
 use crate::mechanics::support::SupportKind;
 use crate::microscopy::fibres::{FibreSettings, Stain};
 use crate::units::Dimension;
@@ -38,6 +39,7 @@ enum SupportName {
     ClampedEnds,
     AfterloadedEnds,
     SpringHeldEnds,
+    Posts,
     Gel,
     ElasticBed,
 }
@@ -54,6 +56,9 @@ worded! { SupportName {
     SupportName::SpringHeldEnds = "spring-held-ends":
         "A spring at either end, such as a carbon fibre: an auxotonic contraction; needs \
          `end_stiffness`.",
+    SupportName::Posts = "posts":
+        "A flexible post at either end, which a strip of tissue bends: an auxotonic contraction; needs `post_length`, \
+         `post_width` and `post_modulus`.",
     SupportName::Gel = "gel":
         "The cell adheres to an elastic gel of `gel_modulus`, a half-space or a layer on glass, and pulls on it within the \
          plane; quasi-static unless an integrator is stated, since each step in time solves for the gel.",
@@ -298,6 +303,60 @@ pub(super) const ROWS: &[Setting] = &[
         "Stiffness of each spring of spring-held-ends, such as a carbon fibre",
     ),
     Setting::quantity(
+        "mechanics.post_length",
+        "Length of each of the posts of \"posts\", from foot to tip.",
+        Bounds::any(Dimension::Length, "3000 um").from(1.0).to(1e5),
+        |run| post(run).map(|post| post.length),
+        |run, length| change_post(run, |post| post.length = length),
+    )
+    .option_saying("--post-length", "LENGTH", "Length of the posts of support posts"),
+    Setting::quantity(
+        "mechanics.post_load_height",
+        "Height of the tissue above the foot of the posts, at most their length.",
+        Bounds::any(Dimension::Length, "2500 um").from(1.0).to(1e5),
+        |run| post(run).and_then(|post| post.load_height),
+        |run, height| change_post(run, |post| post.load_height = Some(height)),
+    )
+    .otherwise("at the tip")
+    .option_saying(
+        "--post-load-height",
+        "LENGTH",
+        "Height of the tissue above the foot of the posts; unless stated at their tip",
+    ),
+    Setting::quantity(
+        "mechanics.post_width",
+        "Width of the posts across the tissue; of round posts their diameter.",
+        Bounds::any(Dimension::Length, "1000 um").from(0.1).to(1e5),
+        |run| post(run).map(|post| post.width),
+        |run, width| change_post(run, |post| post.width = width),
+    )
+    .option_saying(
+        "--post-width",
+        "LENGTH",
+        "Width of the posts across the tissue; of round posts their diameter",
+    ),
+    Setting::quantity(
+        "mechanics.post_thickness",
+        "Thickness of rectangular posts along the tissue, which bends them in it.",
+        Bounds::any(Dimension::Length, "500 um").from(0.1).to(1e5),
+        |run| post(run).and_then(|post| post.thickness),
+        |run, thickness| change_post(run, |post| post.thickness = Some(thickness)),
+    )
+    .otherwise("round posts")
+    .option_saying(
+        "--post-thickness",
+        "LENGTH",
+        "Thickness of rectangular posts along the tissue; unless stated posts are round",
+    ),
+    Setting::quantity(
+        "mechanics.post_modulus",
+        "Young's modulus of the posts; that of silicone (PDMS) is 1 to 3 MPa.",
+        Bounds::any(Dimension::Pressure, "1600 kPa").from(1e-3).to(1e9),
+        |run| post(run).map(|post| post.modulus),
+        |run, modulus| change_post(run, |post| post.modulus = modulus),
+    )
+    .option_saying("--post-modulus", "MODULUS", "Young's modulus of the posts"),
+    Setting::quantity(
         "mechanics.bed_stiffness",
         "Stiffness of an \"elastic-bed\", traction per displacement: for a thin layer its shear \
          modulus divided by its thickness.",
@@ -386,6 +445,24 @@ pub(super) const ROWS: &[Setting] = &[
     ),
 ];
 
+/// A post of which nothing is known yet.
+const NO_POST: Post =
+    Post { length: 0.0, load_height: None, width: 0.0, thickness: None, modulus: 0.0 };
+
+/// The posts at the ends, if there are any.
+fn post(run: &Run) -> Option<Post> {
+    match run.support {
+        SupportKind::Posts(post) => Some(post),
+        _ => None,
+    }
+}
+
+fn change_post(run: &mut Run, change: impl FnOnce(&mut Post)) {
+    if let SupportKind::Posts(post) = &mut run.support {
+        change(post);
+    }
+}
+
 /// The gel under the cell, if it is on one.
 fn gel(run: &Run) -> Option<Gel> {
     match run.support {
@@ -422,6 +499,7 @@ fn support_name(support: SupportKind) -> SupportName {
         SupportKind::ClampedEnds => SupportName::ClampedEnds,
         SupportKind::AfterloadedEnds { .. } => SupportName::AfterloadedEnds,
         SupportKind::SpringHeldEnds { .. } => SupportName::SpringHeldEnds,
+        SupportKind::Posts(_) => SupportName::Posts,
         SupportKind::Gel(_) => SupportName::Gel,
         SupportKind::ElasticBed { .. } => SupportName::ElasticBed,
     }
@@ -436,6 +514,7 @@ fn support(name: SupportName) -> SupportKind {
         SupportName::ClampedEnds => SupportKind::ClampedEnds,
         SupportName::AfterloadedEnds => SupportKind::AfterloadedEnds { load: 0.0 },
         SupportName::SpringHeldEnds => SupportKind::SpringHeldEnds { stiffness: 0.0 },
+        SupportName::Posts => SupportKind::Posts(NO_POST),
         SupportName::Gel => SupportKind::Gel(Gel::half_space(0.0)),
         SupportName::ElasticBed => SupportKind::ElasticBed { stiffness: USUAL_BED },
     }

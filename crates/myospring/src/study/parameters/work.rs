@@ -76,12 +76,13 @@ struct Meshed {
 const TENSION_ONLY: [&str; 3] = ["cell.", "stimulus.", "run."];
 /// Keys of numbers that decide the mesh.
 const SHAPING: [&str; 2] = ["shape.", "segmentation."];
-/// Keys of numbers that decide the fibres on it.
-const FIBRES: [&str; 4] = [
+/// Keys of numbers that decide the fibres on it, and how its cells are coupled.
+const FIBRES: [&str; 5] = [
     "mechanics.fibre",
     "mechanics.helix_angle",
     "mechanics.myofibril_content",
     "mechanics.sarcomere_",
+    "tissue.",
 ];
 
 impl Common {
@@ -328,9 +329,15 @@ impl Common {
         let same_shape = !self.keys().any(shapes);
         let same_mesh = same_shape && !self.keys().any(|key| starts(key, &FIBRES));
         let Simulation { mesh, thick, fibres, fibres_in_space, .. } = made;
-        let Simulation { myofibril_content, resting_stretch, adhesion, .. } = made;
-        let places =
-            Places { fibres, fibres_in_space, myofibril_content, resting_stretch, adhesion };
+        let Simulation { myofibril_content, resting_stretch, adhesion, tissue, .. } = made;
+        let places = Places {
+            fibres,
+            fibres_in_space,
+            myofibril_content,
+            resting_stretch,
+            adhesion,
+            tissue,
+        };
         self.body = Some(Body {
             bytes,
             shaped: Some(shaped).filter(|_| same_shape && !same_mesh),

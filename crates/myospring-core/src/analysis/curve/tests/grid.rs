@@ -119,6 +119,7 @@ pub(super) const SHAPES: [(Kind, Shape); 7] = [
 ];
 
 #[test]
+#[ignore = "slow"]
 fn artefacts_cost_at_most_the_beats_that_they_touch() {
     let (mut cells, mut lost, mut untouched, mut invented, mut listed, mut all) =
         (0, 0, 0, 0, 0, 0);

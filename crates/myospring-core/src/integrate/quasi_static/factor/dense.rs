@@ -34,8 +34,14 @@ pub(super) struct Eliminate<'a> {
     pub(super) interruption: &'a Interruption,
 }
 
+impl Eliminate<'_> {
+    /// Eliminates with the vector units of this machine; an error if a pivot is not positive.
+    pub(super) fn run(self) -> Result<(), FactorError> {
+        pulp::Arch::new().dispatch(self)
+    }
+}
+
 impl WithSimd for Eliminate<'_> {
-    /// An error if a pivot is not positive.
     type Output = Result<(), FactorError>;
 
     #[inline(always)]
@@ -63,6 +69,93 @@ impl WithSimd for Eliminate<'_> {
         subtract_square(simd, panel, rows, columns, size, rest, rows - columns, packed);
         Ok(())
     }
+}
+
+/// The columns of a front that were eliminated, and the right side at them. Loops have the same order and no fused operations, so results
+/// are bitwise the same with any vector units.
+pub(super) struct Eliminated<'a> {
+    /// `L` over `M`.
+    pub(super) panel: &'a [f64],
+    /// The right side at the columns.
+    pub(super) own: &'a mut [f64],
+    /// At the other rows: what the columns take from it, or its solution.
+    pub(super) border: &'a mut [f64],
+}
+
+impl Eliminated<'_> {
+    /// Solves with `L`, and adds up what `M` takes from the other rows.
+    pub(super) fn take_off(self) {
+        // Parts that do not touch have no separator.
+        if self.own.is_empty() {
+            return;
+        }
+        pulp::Arch::new().dispatch(TakeOff(self));
+    }
+
+    /// Solves with the transpose of `L` over `M`, given the solution in the other rows.
+    pub(super) fn put_back(self) {
+        if self.own.is_empty() {
+            return;
+        }
+        pulp::Arch::new().dispatch(PutBack(self));
+    }
+}
+
+struct TakeOff<'a>(Eliminated<'a>);
+
+impl WithSimd for TakeOff<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Eliminated { panel, own, border } = self.0;
+        let (columns, rows) = (own.len(), own.len() + border.len());
+        for (column, entries) in panel.chunks_exact(rows).enumerate() {
+            let value = own[column] / entries[column];
+            own[column] = value;
+            let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
+            for (sum, entry) in own[column + 1..].iter_mut().zip(inner) {
+                *sum -= value * entry;
+            }
+            for (sum, entry) in border.iter_mut().zip(outer) {
+                *sum += value * entry;
+            }
+        }
+    }
+}
+
+struct PutBack<'a>(Eliminated<'a>);
+
+impl WithSimd for PutBack<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Eliminated { panel, own, border } = self.0;
+        let (columns, rows) = (own.len(), own.len() + border.len());
+        for (column, entries) in panel.chunks_exact(rows).enumerate().rev() {
+            let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
+            let sum = dot(inner, &own[column + 1..]) + dot(outer, border);
+            own[column] = (own[column] - sum) / entries[column];
+        }
+    }
+}
+
+/// Scalar product in eight partial sums, for vector units.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..8 {
+            lanes[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    lanes.iter().sum::<f64>() + rest
 }
 
 /// Eliminates columns `start..end` one by one, in all rows.

@@ -1,0 +1,114 @@
+//! The cells of a tissue, which make their steps together where the model can, and else each its own.
+
+use crate::cell::integrator::CellIntegrator;
+use crate::cell::pacing::Protocol;
+use crate::cell::solve::{CellMethod, SolveError, SolverSettings};
+use crate::cell::{CellModel, CellsTogether};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Cells of one piece of work.
+const PIECE: usize = 64;
+
+#[derive(Clone)]
+pub(super) enum Members {
+    Together(CellsTogether),
+    Alone(Vec<CellIntegrator>),
+}
+
+impl Members {
+    /// Cells of these protocols in a state at 0 ms; `None` if the method chooses its steps.
+    pub(super) fn new(
+        model: &Arc<dyn CellModel>,
+        state: &[f64],
+        protocols: &[Protocol],
+        settings: SolverSettings,
+    ) -> Result<Option<Self>, SolveError> {
+        let cell = |protocol: &Protocol| {
+            CellIntegrator::starting_from(Arc::clone(model), state, *protocol, settings)
+        };
+        let Some(first) = protocols.first().map(cell).transpose()? else {
+            return Ok(Some(Self::Alone(Vec::new())));
+        };
+        if !first.has_fixed_steps() {
+            return Ok(None);
+        }
+        if settings.method == CellMethod::ForwardEuler
+            && let Some(cells) = CellsTogether::new(model, state, protocols, settings.step_ms)?
+        {
+            return Ok(Some(Self::Together(cells)));
+        }
+        let cells = protocols.iter().map(cell).collect::<Result<_, _>>()?;
+        Ok(Some(Self::Alone(cells)))
+    }
+
+    /// Integrates all to a time, ms.
+    pub(super) fn advance_to(&mut self, t_ms: f64) -> Result<(), SolveError> {
+        match self {
+            Self::Together(cells) => {
+                cells.advance_to(t_ms);
+                Ok(())
+            }
+            Self::Alone(cells) => cells.par_chunks_mut(PIECE).try_for_each(|cells| {
+                cells.iter_mut().try_for_each(|cell| cell.advance_to(t_ms, 1.0, 0.0))
+            }),
+        }
+    }
+
+    /// An error if a value is not finite.
+    pub(super) fn check_finite(&self) -> Result<(), SolveError> {
+        match self {
+            Self::Together(cells) => cells.check_finite(),
+            // They check each step.
+            Self::Alone(_) => Ok(()),
+        }
+    }
+
+    /// Reads a state variable of all.
+    pub(super) fn read(&self, variable: usize, values: &mut Vec<f64>) {
+        values.clear();
+        match self {
+            Self::Together(cells) => values.extend_from_slice(cells.values(variable)),
+            Self::Alone(cells) => values.extend(cells.iter().map(|cell| cell.state()[variable])),
+        }
+    }
+
+    /// Sets a state variable of all.
+    pub(super) fn write(&mut self, variable: usize, values: &[f64]) {
+        match self {
+            Self::Together(cells) => cells.values_mut(variable).copy_from_slice(values),
+            Self::Alone(cells) => {
+                for (cell, value) in cells.iter_mut().zip(values) {
+                    cell.set_state(variable, *value);
+                }
+            }
+        }
+    }
+
+    /// A number of each cell's state.
+    pub(super) fn each(&self, number: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+        match self {
+            Self::Together(cells) => {
+                let mut state = Vec::new();
+                let one = |cell| {
+                    cells.write_state(cell, &mut state);
+                    number(&state)
+                };
+                (0..cells.values(0).len()).map(one).collect()
+            }
+            Self::Alone(cells) => cells.iter().map(|cell| number(cell.state())).collect(),
+        }
+    }
+
+    /// The state of one cell.
+    pub(super) fn state(&self, cell: usize) -> Vec<f64> {
+        match self {
+            Self::Together(cells) => {
+                let mut state = Vec::new();
+                cells.write_state(cell, &mut state);
+                state
+            }
+            Self::Alone(cells) => cells[cell].state().to_vec(),
+        }
+    }
+}

@@ -1,0 +1,472 @@
+//! Cells that stimulate each other: the potential spreads from one to the next (monodomain).
+//!
+//! ```text
+//! dV/dt = div(D grad V) + (dV/dt of the cell alone),   no flux through the rim
+//! ```
+//!
+//! Each node of the mesh has a cell. A step is split as `strang_1968` does: half a step of spreading, a step of every cell alone, half a
+//! step of spreading; it is of second order if the cell's own method is. The potential spreads over the shape at rest. Stretch may open
+//! channels ([`StretchCurrent`]), whose current flows while the potential spreads; it is that of the last shape of the mesh.
+
+use super::diffusion::{Conduction, Diffusion, Room};
+use super::local_beats::Followed;
+use super::members::Members;
+use super::tips::Tips;
+use super::{
+    Activation, ActivationBounds, ActivationError, ActivationTangent, Sites, StretchCurrent,
+    StretchState,
+};
+use crate::cell::pacing::Protocol;
+use crate::cell::solve::{SolveError, SolverSettings};
+use crate::cell::{CellModel, Input, Output};
+use crate::mechanics::Tension;
+use crate::mesh::Mesh;
+use crate::mesh::lattice::LatticeError;
+use crate::recording::{LocalBeat, WaveTip};
+use std::sync::Arc;
+
+/// A cell counts as activated when its potential rises above this: -40 mV, or half of a dimensionless potential that has no
+/// millivolts.
+const ACTIVATED_MV: f64 = -40.0;
+const ACTIVATED: f64 = 0.5;
+/// Reversal potential of stretch-activated channels where the potential is dimensionless (`panfilov_2007`).
+const REVERSAL: f64 = 1.0;
+/// Steps end at a requested time up to this part of a step.
+const SAME: f64 = 1e-6;
+
+/// Why there is no tissue.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TissueError {
+    /// A cell, its protocol or its settings.
+    #[error(transparent)]
+    Cell(#[from] SolveError),
+    /// A conduction that is negative or not finite.
+    #[error("conduction {name} the fibres is {value} um^2/ms; it must be at least 0")]
+    Conduction {
+        /// Along or across.
+        name: &'static str,
+        /// Its value, um^2/ms.
+        value: f64,
+    },
+    /// A relative conduction that is negative or not finite.
+    #[error(
+        "the conduction of triangle {triangle} is {value} times the usual one; it must be at least 0"
+    )]
+    Relative {
+        /// The triangle.
+        triangle: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A model whose potential is not a state, or which feels stretch.
+    #[error("cells of `{model}` cannot be coupled: {why}")]
+    Model {
+        /// Its name.
+        model: String,
+        /// Why not.
+        why: &'static str,
+    },
+    /// A lattice without waves of that velocity.
+    #[error(
+        "no wave with a conduction velocity of {velocity_cm_per_s:.3} cm/s goes along a lattice of {spacing} um: it would be narrower \
+         than the spacing; take a lattice of about {most:.1} um, or a faster wave (across the fibres a smaller velocity ratio)"
+    )]
+    NoWave {
+        /// The velocity, cm/s.
+        velocity_cm_per_s: f64,
+        /// The spacing, um.
+        spacing: f64,
+        /// A spacing at which there is one, um.
+        most: f64,
+    },
+    /// A strip on which the velocity is measured.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    /// Protocols or fibres for another mesh.
+    #[error("there are {found} {what} for {expected}")]
+    Count {
+        /// What.
+        what: &'static str,
+        /// How many.
+        found: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+}
+
+/// The cells of a tissue.
+#[derive(Clone)]
+pub struct TissueCells<'a> {
+    /// The model of all.
+    pub model: Arc<dyn CellModel>,
+    /// Their state at 0 ms; `None` is the model's initial one.
+    pub state: Option<&'a [f64]>,
+    /// The stimuli of each node.
+    pub protocols: &'a [Protocol],
+    /// Integration, with fixed steps ([`SolverSettings::coupled`]).
+    pub settings: SolverSettings,
+    /// kPa per unit of the model's tension.
+    pub scale: f64,
+}
+
+/// Coupled cells, one at each node of a mesh, all of the same model; the tension of a triangle is the mean of its corners.
+///
+/// # Example
+/// A wave along a strip of 6 mm, and its velocity:
+/// ```
+/// use myospring::cell::{CellModel, bueno_orovio_2008::{Variant, model}};
+/// use myospring::cell::pacing::Protocol;
+/// use myospring::cell::solve::{CellMethod, SolverSettings};
+/// use myospring::exchange::{Activation, Conduction, Tissue, TissueCells};
+/// use myospring::prelude::*;
+/// use std::sync::Arc;
+///
+/// let mesh = lattice::rectangle(24, 2, 250.0)?;
+/// let fibres = vec![[1.0, 0.0]; mesh.simplices.len()];
+/// let model = model(Variant::Epi);
+/// let left = |node: usize| mesh.point(node)[0] < 600.0;
+/// let beat = Protocol { start_ms: 0.0, ..Protocol::once(model.default_stimulus()) };
+/// let protocols: Vec<Protocol> =
+///     (0..mesh.len()).map(|node| if left(node) { beat } else { Protocol::rest() }).collect();
+/// let settings = SolverSettings { method: CellMethod::ForwardEuler, step_ms: 0.02, ..SolverSettings::default() };
+/// let cells = TissueCells { model: Arc::new(model), state: None, protocols: &protocols, settings, scale: 50.0 };
+/// let mut strip = Tissue::new(&mesh, &fibres, &Conduction::even(1.171e5), cells)?;
+/// strip.reach(15.0)?;
+/// let at = |x: f64| (0..mesh.len()).find(|node| mesh.point(*node) == [x, 250.0]).unwrap();
+/// let beats = strip.local_beats().unwrap();
+/// let [from, to] = [1500.0, 4500.0].map(|x| beats[at(x)][0].activated_ms);
+/// let velocity_cm_per_s = 0.1 * 3000.0 / (to - from);
+/// assert!((65.0..75.0).contains(&velocity_cm_per_s));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct Tissue {
+    model: Arc<dyn CellModel>,
+    /// `None` where nothing spreads.
+    diffusion: Option<Arc<Diffusion>>,
+    kept: Cells,
+    moved: Cells,
+    /// The corners of each triangle.
+    corners: Arc<Vec<[u32; 3]>>,
+    scale: f64,
+    tension: Vec<f64>,
+    strongest: ActivationBounds,
+    step_ms: f64,
+    /// The state that spreads.
+    place: usize,
+    /// Nodes whose potential is an output, each with its name.
+    probes: Vec<(&'static str, usize)>,
+    stimulus_times_ms: Vec<f64>,
+    s2_ms: Option<f64>,
+    channels: Option<Channels>,
+    room: Room,
+    potential: Vec<f64>,
+}
+
+/// Channels that stretch opens.
+#[derive(Clone)]
+struct Channels {
+    /// Conductance at twice the length at rest, 1/ms.
+    conductance: f64,
+    /// Reversal potential, in the unit of the state that spreads.
+    reversal: f64,
+    /// By how much the fibres of each node are longer than at rest, as a part; 0 where they are shorter.
+    longer: Vec<f64>,
+}
+
+impl Channels {
+    /// Takes the stretch of each triangle; a node has the mean of its triangles.
+    fn feel(&mut self, corners: &[[u32; 3]], stretch: &[f64]) {
+        let mut sums = vec![(0.0, 0.0); self.longer.len()];
+        for (nodes, stretch) in corners.iter().zip(stretch) {
+            for &node in nodes {
+                let (sum, count) = &mut sums[node as usize];
+                *sum += stretch;
+                *count += 1.0;
+            }
+        }
+        for (longer, (sum, count)) in self.longer.iter_mut().zip(sums) {
+            *longer = if count > 0.0 { (sum / count - 1.0_f64).max(0.0) } else { 0.0 };
+        }
+    }
+
+    /// Lets the current flow for some time.
+    fn flow(&self, potential: &mut [f64], over_ms: f64) {
+        for (potential, longer) in potential.iter_mut().zip(&self.longer) {
+            let kept = (-self.conductance * longer * over_ms).exp();
+            *potential = self.reversal + (*potential - self.reversal) * kept;
+        }
+    }
+}
+
+/// The cells at one time.
+#[derive(Clone)]
+struct Cells {
+    members: Members,
+    time_ms: f64,
+    followed: Followed,
+    tips: Tips,
+}
+
+impl Tissue {
+    /// Cells coupled by a conduction; `fibres` has a unit vector for each triangle.
+    ///
+    /// # Errors
+    /// A conduction below 0, lists of another length, a model whose potential is not one of its states or that feels stretch, a protocol
+    /// or settings that it cannot follow, and a method with other than fixed steps.
+    pub fn new(
+        mesh: &Mesh,
+        fibres: &[[f64; 2]],
+        conduction: &Conduction,
+        cells: TissueCells<'_>,
+    ) -> Result<Self, TissueError> {
+        let TissueCells { model, state, protocols, settings, scale } = cells;
+        for (name, value) in [("along", conduction.along), ("across", conduction.across)] {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(TissueError::Conduction { name, value });
+            }
+        }
+        let relative = conduction.relative.as_deref();
+        let bad =
+            relative.and_then(|all| all.iter().position(|it| !(it.is_finite() && *it >= 0.0)));
+        if let (Some(triangle), Some(all)) = (bad, relative) {
+            return Err(TissueError::Relative { triangle, value: all[triangle] });
+        }
+        let counts = [
+            ("protocols", protocols.len(), mesh.len()),
+            ("directions of fibres", fibres.len(), mesh.simplices.len()),
+            (
+                "relative conductions",
+                relative.map_or(mesh.simplices.len(), <[f64]>::len),
+                mesh.simplices.len(),
+            ),
+        ];
+        if let Some((what, found, expected)) =
+            counts.into_iter().find(|(_, found, expected)| found != expected)
+        {
+            return Err(TissueError::Count { what, found, expected });
+        }
+        let refused = |why| TissueError::Model { model: model.name().to_owned(), why };
+        if model.feels_stretch() {
+            return Err(refused(
+                "its equations depend on the stretch; take one that does not, such as bueno_orovio_2008_epi",
+            ));
+        }
+        let place = model.stimulation().moves.first().map(|moved| moved.state);
+        let place = place.ok_or_else(|| refused("it has no potential that could spread"))?;
+        let state = state.map_or_else(|| model.initial_state(), <[f64]>::to_vec);
+        let members = Members::new(&model, &state, protocols, settings)?;
+        let members = members.ok_or_else(|| {
+            refused("a potential that others change needs a method with fixed steps")
+        })?;
+        let spreads = conduction.along > 0.0 || conduction.across > 0.0;
+        let diffusion = spreads.then(|| Arc::new(Diffusion::new(mesh, fibres, conduction)));
+        let level = level(&*model, place);
+        let mut stimulus_times_ms: Vec<f64> =
+            protocols.iter().flat_map(Protocol::stimulus_times).collect();
+        stimulus_times_ms.sort_by(f64::total_cmp);
+        stimulus_times_ms.dedup();
+        let strongest = super::by_triangle::strongest(&model, settings, scale, 1.0)?;
+        let mut potential = Vec::new();
+        members.read(place, &mut potential);
+        let followed = Followed::new(potential.clone(), state[place], level);
+        let tips = Tips::new(mesh, level, &potential);
+        let kept = Cells { members, time_ms: 0.0, followed, tips };
+        let corners = mesh.simplices.iter().map(|triangle| triangle.nodes).collect();
+        let mut tissue = Self {
+            model,
+            diffusion,
+            moved: kept.clone(),
+            kept,
+            corners: Arc::new(corners),
+            scale,
+            tension: vec![0.0; mesh.simplices.len()],
+            strongest,
+            step_ms: settings.step_ms,
+            place,
+            probes: Vec::new(),
+            stimulus_times_ms,
+            s2_ms: None,
+            channels: None,
+            room: Room::default(),
+            potential,
+        };
+        tissue.pull();
+        Ok(tissue)
+    }
+
+    /// The same, with the potentials of these nodes as outputs of these names, and the time of an extra stimulus S2, ms.
+    #[must_use]
+    pub fn with_outputs(self, probes: Vec<(&'static str, usize)>, s2_ms: Option<f64>) -> Self {
+        Self { probes, s2_ms, ..self }
+    }
+
+    /// The same, with a current through channels that stretch opens.
+    #[must_use]
+    pub fn with_stretch_current(self, current: StretchCurrent) -> Self {
+        let StretchCurrent { conductance, reversal_mv } = current;
+        let reversal = state_at(&*self.model, self.place, reversal_mv).unwrap_or(REVERSAL);
+        let longer = vec![0.0; self.potential.len()];
+        Self { channels: Some(Channels { conductance, reversal, longer }), ..self }
+    }
+
+    /// Advances to a time (ms) and keeps it, for a tissue that is not part of a simulation.
+    ///
+    /// # Errors
+    /// A state that is not finite.
+    pub fn reach(&mut self, to_ms: f64) -> Result<(), SolveError> {
+        self.moved.clone_from(&self.kept);
+        self.go(to_ms)?;
+        self.kept.clone_from(&self.moved);
+        Ok(())
+    }
+
+    /// The potential of each node, in the unit of the model's state.
+    pub fn potentials(&self) -> impl Iterator<Item = f64> + '_ {
+        let mut potentials = Vec::new();
+        self.moved.members.read(self.place, &mut potentials);
+        potentials.into_iter()
+    }
+
+    fn go(&mut self, to_ms: f64) -> Result<(), SolveError> {
+        let over = to_ms - self.moved.time_ms;
+        let steps = (over / self.step_ms - SAME).ceil().max(0.0) as usize;
+        let (start, step) = (self.moved.time_ms, over / steps.max(1) as f64);
+        for number in 1..=steps {
+            let now = if number == steps { to_ms } else { start + number as f64 * step };
+            if number == 1 {
+                self.spread(0.5 * step);
+            }
+            self.moved.members.advance_to(now)?;
+            // The second half of this step and the first of the next.
+            self.spread(if number == steps { 0.5 * step } else { step });
+            self.moved.followed.step(&self.potential, now, step);
+            self.moved.tips.see(&self.potential, now);
+        }
+        self.moved.members.check_finite()?;
+        self.moved.time_ms = to_ms;
+        self.pull();
+        Ok(())
+    }
+
+    /// Lets the potential spread; it is then that of all cells.
+    fn spread(&mut self, over_ms: f64) {
+        let (potential, members) = (&mut self.potential, &mut self.moved.members);
+        members.read(self.place, potential);
+        if self.diffusion.is_none() && self.channels.is_none() {
+            return;
+        }
+        if let Some(diffusion) = &self.diffusion {
+            diffusion.spread(potential, over_ms, &mut self.room);
+        }
+        if let Some(channels) = &self.channels {
+            channels.flow(potential, over_ms);
+        }
+        members.write(self.place, potential);
+    }
+
+    /// Computes the tension of every triangle.
+    fn pull(&mut self) {
+        let members = &self.moved.members;
+        let nodes = members.each(|state| self.model.tension(state, &Input::REST));
+        for (tension, corners) in self.tension.iter_mut().zip(&*self.corners) {
+            let sum: f64 = corners.iter().map(|&node| nodes[node as usize]).sum();
+            *tension = self.scale * sum / 3.0;
+        }
+    }
+}
+
+/// The potential above which a cell is activated.
+fn level(model: &dyn CellModel, place: usize) -> f64 {
+    state_at(model, place, ACTIVATED_MV).unwrap_or(ACTIVATED)
+}
+
+/// The value of the state that spreads at a membrane potential, mV; `None` if the model has no millivolts. Both are proportional but for an
+/// offset.
+fn state_at(model: &dyn CellModel, place: usize, millivolts: f64) -> Option<f64> {
+    let [zero, one] = [0.0, 1.0].map(|at| millivolts_at(model, place, at));
+    let (from, to) = (zero?, one?);
+    (to > from).then(|| (millivolts - from) / (to - from))
+}
+
+/// The membrane potential, mV, at a value of the state that spreads; `None` if the model has no millivolts.
+fn millivolts_at(model: &dyn CellModel, place: usize, value: f64) -> Option<f64> {
+    let mut state = model.initial_state();
+    state[place] = value;
+    model.membrane_potential_mv(&state)
+}
+
+impl Activation for Tissue {
+    fn sites(&self) -> Sites {
+        Sites::PerElement(self.corners.len())
+    }
+
+    fn advance(&mut self, to_ms: f64, now: StretchState<'_>) -> Result<(), ActivationError> {
+        if let Some(channels) = &mut self.channels {
+            channels.feel(&self.corners, now.stretch);
+        }
+        self.moved.clone_from(&self.kept);
+        self.go(to_ms).map_err(|error| ActivationError(error.to_string()))
+    }
+
+    fn keep(&mut self) {
+        self.kept.clone_from(&self.moved);
+    }
+
+    fn tension(&self) -> Tension<'_> {
+        Tension::PerElement(&self.tension)
+    }
+
+    fn tangent(&self) -> Option<ActivationTangent<'_>> {
+        None
+    }
+
+    fn strongest(&self) -> ActivationBounds {
+        self.strongest
+    }
+
+    fn stimulus_times_ms(&self) -> Vec<f64> {
+        self.stimulus_times_ms.clone()
+    }
+
+    fn s2_ms(&self) -> Option<f64> {
+        self.s2_ms
+    }
+
+    fn outputs(&self) -> Vec<Output> {
+        let unit =
+            self.model.membrane_potential_mv(&self.model.initial_state()).map_or("", |_| "mV");
+        let output = |(name, _): &(&'static str, usize)| Output {
+            name: (*name).into(),
+            unit: unit.into(),
+            meaning: "potential at one place of the tissue".into(),
+        };
+        self.probes.iter().map(output).collect()
+    }
+
+    fn output_values(&self) -> Vec<f64> {
+        let value = |&(_, node): &(&str, usize)| {
+            let state = self.moved.members.state(node);
+            self.model.membrane_potential_mv(&state).unwrap_or(state[self.place])
+        };
+        self.probes.iter().map(value).collect()
+    }
+
+    fn local_beats(&self) -> Option<&[Vec<LocalBeat>]> {
+        Some(self.moved.followed.beats())
+    }
+
+    fn potentials_mv(&self) -> Option<Vec<f64>> {
+        let [zero, one] = [0.0, 1.0].map(|at| millivolts_at(&*self.model, self.place, at));
+        let (offset, per_unit) = (zero?, one? - zero?);
+        Some(self.potentials().map(|potential| offset + per_unit * potential).collect())
+    }
+
+    fn wave_tips(&self) -> &[WaveTip] {
+        self.moved.tips.found()
+    }
+
+    fn boxed(&self) -> Box<dyn Activation> {
+        Box::new(self.clone())
+    }
+}
