@@ -42,16 +42,22 @@ impl Members {
         Ok(Some(Self::Alone(cells)))
     }
 
-    /// Integrates all to a time, ms.
-    pub(super) fn advance_to(&mut self, t_ms: f64) -> Result<(), SolveError> {
+    /// Integrates all to a time, ms, each with its stretch and rate of stretch (1/ms); without any, at rest.
+    pub(super) fn advance_to(&mut self, t_ms: f64, strain: &[[f64; 2]]) -> Result<(), SolveError> {
         match self {
             Self::Together(cells) => {
                 cells.advance_to(t_ms);
                 Ok(())
             }
-            Self::Alone(cells) => cells.par_chunks_mut(PIECE).try_for_each(|cells| {
-                cells.iter_mut().try_for_each(|cell| cell.advance_to(t_ms, 1.0, 0.0))
-            }),
+            Self::Alone(cells) => {
+                cells.par_chunks_mut(PIECE).enumerate().try_for_each(|(piece, cells)| {
+                    cells.iter_mut().enumerate().try_for_each(|(at, cell)| {
+                        let known = strain.get(PIECE * piece + at);
+                        let [stretch, rate] = known.copied().unwrap_or([1.0, 0.0]);
+                        cell.advance_to(t_ms, stretch, rate)
+                    })
+                })
+            }
         }
     }
 
@@ -85,18 +91,20 @@ impl Members {
         }
     }
 
-    /// A number of each cell's state.
-    pub(super) fn each(&self, number: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    /// A number of each cell and its state.
+    pub(super) fn each(&self, mut number: impl FnMut(usize, &[f64]) -> f64) -> Vec<f64> {
         match self {
             Self::Together(cells) => {
                 let mut state = Vec::new();
                 let one = |cell| {
                     cells.write_state(cell, &mut state);
-                    number(&state)
+                    number(cell, &state)
                 };
                 (0..cells.values(0).len()).map(one).collect()
             }
-            Self::Alone(cells) => cells.iter().map(|cell| number(cell.state())).collect(),
+            Self::Alone(cells) => {
+                cells.iter().enumerate().map(|(at, cell)| number(at, cell.state())).collect()
+            }
         }
     }
 

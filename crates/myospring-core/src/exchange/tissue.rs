@@ -6,8 +6,11 @@
 //!
 //! Each node of the mesh has a cell. A step is split as `strang_1968` does: half a step of spreading, a step of every cell alone, half a
 //! step of spreading; it is of second order if the cell's own method is. The potential spreads over the shape at rest. Stretch may open
-//! channels ([`StretchCurrent`]), whose current flows while the potential spreads; it is that of the last shape of the mesh.
+//! channels ([`StretchCurrent`]), whose current flows while the potential spreads; it is that of the last shape of the mesh. A cell that
+//! feels stretch has the mean of its triangles, and its crossbridges follow it as those of a cell alone
+//! ([`super::crossbridges`]).
 
+use super::crossbridges::Crossbridges;
 use super::diffusion::{Conduction, Diffusion, Room};
 use super::local_beats::Followed;
 use super::members::Members;
@@ -33,6 +36,8 @@ const ACTIVATED: f64 = 0.5;
 const REVERSAL: f64 = 1.0;
 /// Steps end at a requested time up to this part of a step.
 const SAME: f64 = 1e-6;
+/// Difference of stretch for the slope of a tension: far above rounding, and small enough for the tension to be linear over it.
+const APART: f64 = 1e-6;
 
 /// Why there is no tissue.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -58,7 +63,7 @@ pub enum TissueError {
         /// Its value.
         value: f64,
     },
-    /// A model whose potential is not a state, or which feels stretch.
+    /// A model whose potential is not a state, or whose stretch acts by other ways than crossbridges.
     #[error("cells of `{model}` cannot be coupled: {why}")]
     Model {
         /// Its name.
@@ -159,6 +164,7 @@ pub struct Tissue {
     stimulus_times_ms: Vec<f64>,
     s2_ms: Option<f64>,
     channels: Option<Channels>,
+    pull: Option<Pull>,
     room: Room,
     potential: Vec<f64>,
 }
@@ -175,18 +181,10 @@ struct Channels {
 }
 
 impl Channels {
-    /// Takes the stretch of each triangle; a node has the mean of its triangles.
-    fn feel(&mut self, corners: &[[u32; 3]], stretch: &[f64]) {
-        let mut sums = vec![(0.0, 0.0); self.longer.len()];
-        for (nodes, stretch) in corners.iter().zip(stretch) {
-            for &node in nodes {
-                let (sum, count) = &mut sums[node as usize];
-                *sum += stretch;
-                *count += 1.0;
-            }
-        }
-        for (longer, (sum, count)) in self.longer.iter_mut().zip(sums) {
-            *longer = if count > 0.0 { (sum / count - 1.0_f64).max(0.0) } else { 0.0 };
+    /// Takes the stretch of each node.
+    fn feel(&mut self, stretch: &[f64]) {
+        for (longer, stretch) in self.longer.iter_mut().zip(stretch) {
+            *longer = (stretch - 1.0).max(0.0);
         }
     }
 
@@ -196,6 +194,94 @@ impl Channels {
             let kept = (-self.conductance * longer * over_ms).exp();
             *potential = self.reversal + (*potential - self.reversal) * kept;
         }
+    }
+}
+
+/// The stretch of each node: the mean of its triangles.
+fn at_nodes(corners: &[[u32; 3]], nodes: usize, stretch: &[f64]) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); nodes];
+    for (nodes, stretch) in corners.iter().zip(stretch) {
+        for &node in nodes {
+            let (sum, count) = &mut sums[node as usize];
+            *sum += stretch;
+            *count += 1.0;
+        }
+    }
+    sums.into_iter().map(|(sum, count)| if count > 0.0 { sum / count } else { 1.0 }).collect()
+}
+
+/// Crossbridges of cells that feel stretch.
+#[derive(Clone)]
+struct Pull {
+    /// Of each node.
+    crossbridges: Vec<Crossbridges>,
+    /// Stretch of each cell's model in the tissue at rest.
+    resting_stretch: Vec<f64>,
+    /// Stretch of each cell, as tried last.
+    stretch: Vec<f64>,
+    /// The time over which it was reached, ms.
+    over_ms: f64,
+    /// Stretch and rate of the rest of each cell in this interval.
+    foretold: Vec<[f64; 2]>,
+    /// When the rest of each cell was moved to last, ms, since it was kept.
+    reached: Option<f64>,
+    /// By how much the tension of each triangle grows with its stretch, kPa.
+    per_stretch: Vec<f64>,
+    per_rate: Vec<f64>,
+}
+
+impl Pull {
+    /// Of cells in one state; `None` if their stretch acts by other ways than crossbridges.
+    fn new(model: &dyn CellModel, state: &[f64], nodes: usize, triangles: usize) -> Option<Self> {
+        Some(Self {
+            crossbridges: vec![Crossbridges::of(model, state)?; nodes],
+            resting_stretch: vec![1.0; nodes],
+            stretch: vec![1.0; nodes],
+            over_ms: 0.0,
+            foretold: vec![[1.0, 0.0]; nodes],
+            reached: None,
+            per_stretch: vec![0.0; triangles],
+            per_rate: vec![0.0; triangles],
+        })
+    }
+
+    /// Takes the stretch of each node relative to its length at rest, reached within an interval.
+    fn feel(&mut self, over_ms: f64, nodes: Vec<f64>) {
+        self.stretch = nodes;
+        self.stretch.iter_mut().zip(&self.resting_stretch).for_each(|(it, at_rest)| *it *= at_rest);
+        self.over_ms = over_ms;
+        for (crossbridges, stretch) in self.crossbridges.iter_mut().zip(&self.stretch) {
+            crossbridges.follow(over_ms, *stretch);
+        }
+    }
+
+    /// Foretells the stretch of each cell in the next interval.
+    fn foretell(&mut self, over_ms: f64, nodes: &[f64]) {
+        for (cell, crossbridges) in self.crossbridges.iter_mut().enumerate() {
+            let stretch = self.resting_stretch[cell] * nodes[cell];
+            self.foretold[cell] = crossbridges.foretell(over_ms, stretch);
+        }
+    }
+
+    fn keep(&mut self) {
+        for (crossbridges, stretch) in self.crossbridges.iter_mut().zip(&self.stretch) {
+            crossbridges.keep(*stretch);
+        }
+        self.reached = None;
+    }
+
+    /// The tension of a cell, in the unit of its model, and by how much it grows with the stretch of its node.
+    fn tension(&self, model: &dyn CellModel, cell: usize, state: &mut [f64]) -> [f64; 2] {
+        let (crossbridges, stretch) = (&self.crossbridges[cell], self.stretch[cell]);
+        let at = |crossbridges: &Crossbridges, stretch: f64, state: &mut [f64]| {
+            crossbridges.put(state);
+            model.tension(state, &Input { stretch, ..Input::REST })
+        };
+        let tension = at(crossbridges, stretch, state);
+        let apart = self.resting_stretch[cell] * APART;
+        let mut longer = crossbridges.clone();
+        longer.follow(self.over_ms, stretch + apart);
+        [tension, (at(&longer, stretch + apart, state) - tension) / APART]
     }
 }
 
@@ -221,40 +307,23 @@ impl Tissue {
         cells: TissueCells<'_>,
     ) -> Result<Self, TissueError> {
         let TissueCells { model, state, protocols, settings, scale } = cells;
-        for (name, value) in [("along", conduction.along), ("across", conduction.across)] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(TissueError::Conduction { name, value });
-            }
-        }
-        let relative = conduction.relative.as_deref();
-        let bad =
-            relative.and_then(|all| all.iter().position(|it| !(it.is_finite() && *it >= 0.0)));
-        if let (Some(triangle), Some(all)) = (bad, relative) {
-            return Err(TissueError::Relative { triangle, value: all[triangle] });
-        }
-        let counts = [
-            ("protocols", protocols.len(), mesh.len()),
-            ("directions of fibres", fibres.len(), mesh.simplices.len()),
-            (
-                "relative conductions",
-                relative.map_or(mesh.simplices.len(), <[f64]>::len),
-                mesh.simplices.len(),
-            ),
-        ];
-        if let Some((what, found, expected)) =
-            counts.into_iter().find(|(_, found, expected)| found != expected)
-        {
-            return Err(TissueError::Count { what, found, expected });
-        }
+        check(mesh, fibres, conduction, protocols)?;
         let refused = |why| TissueError::Model { model: model.name().to_owned(), why };
-        if model.feels_stretch() {
-            return Err(refused(
-                "its equations depend on the stretch; take one that does not, such as bueno_orovio_2008_epi",
-            ));
-        }
         let place = model.stimulation().moves.first().map(|moved| moved.state);
         let place = place.ok_or_else(|| refused("it has no potential that could spread"))?;
         let state = state.map_or_else(|| model.initial_state(), <[f64]>::to_vec);
+        let pull = model
+            .feels_stretch()
+            .then(|| {
+                let pull = Pull::new(&*model, &state, mesh.len(), mesh.simplices.len());
+                pull.ok_or_else(|| {
+                    refused(
+                        "it feels stretch, but not by the crossbridges of land_2017; take one that does not, such as \
+                         bueno_orovio_2008_epi",
+                    )
+                })
+            })
+            .transpose()?;
         let members = Members::new(&model, &state, protocols, settings)?;
         let members = members.ok_or_else(|| {
             refused("a potential that others change needs a method with fixed steps")
@@ -288,10 +357,11 @@ impl Tissue {
             stimulus_times_ms,
             s2_ms: None,
             channels: None,
+            pull,
             room: Room::default(),
             potential,
         };
-        tissue.pull();
+        tissue.find_tension();
         Ok(tissue)
     }
 
@@ -310,14 +380,27 @@ impl Tissue {
         Self { channels: Some(Channels { conductance, reversal, longer }), ..self }
     }
 
+    /// The same with these stretches of the models in the tissue at rest, one per triangle; all other stretches are multiplied by them. Of
+    /// cells that do not feel stretch nothing changes.
+    #[must_use]
+    pub fn at_resting_stretch(mut self, resting_stretch: &[f64]) -> Self {
+        if let Some(pull) = &mut self.pull {
+            pull.resting_stretch =
+                at_nodes(&self.corners, pull.resting_stretch.len(), resting_stretch);
+            pull.stretch.clone_from(&pull.resting_stretch);
+            self.find_tension();
+        }
+        self
+    }
+
     /// Advances to a time (ms) and keeps it, for a tissue that is not part of a simulation.
     ///
     /// # Errors
     /// A state that is not finite.
     pub fn reach(&mut self, to_ms: f64) -> Result<(), SolveError> {
-        self.moved.clone_from(&self.kept);
-        self.go(to_ms)?;
-        self.kept.clone_from(&self.moved);
+        let at_rest = vec![1.0; self.corners.len()];
+        self.move_to(to_ms, &at_rest)?;
+        self.keep();
         Ok(())
     }
 
@@ -328,25 +411,59 @@ impl Tissue {
         potentials.into_iter()
     }
 
-    fn go(&mut self, to_ms: f64) -> Result<(), SolveError> {
-        let over = to_ms - self.moved.time_ms;
-        let steps = (over / self.step_ms - SAME).ceil().max(0.0) as usize;
-        let (start, step) = (self.moved.time_ms, over / steps.max(1) as f64);
-        for number in 1..=steps {
-            let now = if number == steps { to_ms } else { start + number as f64 * step };
-            if number == 1 {
-                self.spread(0.5 * step);
+    /// Moves from where it was kept to a time, ms, with this stretch of each triangle.
+    fn move_to(&mut self, to_ms: f64, stretch: &[f64]) -> Result<(), SolveError> {
+        let felt = self.channels.is_some() || self.pull.is_some();
+        let nodes =
+            if felt { at_nodes(&self.corners, self.potential.len(), stretch) } else { Vec::new() };
+        let over_ms = to_ms - self.kept.time_ms;
+        // Where crossbridges are followed apart, the rest of each cell goes on but once an interval.
+        if self.pull.as_ref().is_none_or(|pull| pull.reached != Some(to_ms)) {
+            if let Some(channels) = &mut self.channels {
+                channels.feel(&nodes);
             }
-            self.moved.members.advance_to(now)?;
+            if let Some(pull) = &mut self.pull {
+                pull.foretell(over_ms, &nodes);
+            }
+            self.moved.clone_from(&self.kept);
+            self.go(to_ms)?;
+        }
+        if let Some(pull) = &mut self.pull {
+            pull.reached = Some(to_ms);
+            pull.feel(over_ms, nodes);
+        }
+        self.find_tension();
+        Ok(())
+    }
+
+    fn go(&mut self, to_ms: f64) -> Result<(), SolveError> {
+        let mut now = self.step_end(self.moved.time_ms, to_ms);
+        if let Some(now) = now {
+            self.spread(0.5 * (now - self.moved.time_ms));
+        }
+        while let Some(end) = now {
+            let step = end - self.moved.time_ms;
+            let strain = self.pull.as_ref().map_or(&[][..], |pull| &pull.foretold);
+            self.moved.members.advance_to(end, strain)?;
+            self.moved.time_ms = end;
+            now = self.step_end(end, to_ms);
             // The second half of this step and the first of the next.
-            self.spread(if number == steps { 0.5 * step } else { step });
-            self.moved.followed.step(&self.potential, now, step);
-            self.moved.tips.see(&self.potential, now);
+            self.spread(0.5 * (step + now.map_or(0.0, |next| next - end)));
+            self.moved.followed.step(&self.potential, end, step);
+            self.moved.tips.see(&self.potential, end);
         }
         self.moved.members.check_finite()?;
         self.moved.time_ms = to_ms;
-        self.pull();
         Ok(())
+    }
+
+    /// Where the step from a time ends, ms: steps end where those of the cells do, on the grid of fixed steps, and at `to_ms`. `None` at
+    /// the end.
+    fn step_end(&self, from_ms: f64, to_ms: f64) -> Option<f64> {
+        let same = SAME * self.step_ms;
+        let grid_ms = (((from_ms + same) / self.step_ms).floor() + 1.0) * self.step_ms;
+        let end_ms = if grid_ms > to_ms - same { to_ms } else { grid_ms };
+        (to_ms - from_ms > same).then_some(end_ms)
     }
 
     /// Lets the potential spread; it is then that of all cells.
@@ -365,15 +482,73 @@ impl Tissue {
         members.write(self.place, potential);
     }
 
-    /// Computes the tension of every triangle.
-    fn pull(&mut self) {
-        let members = &self.moved.members;
-        let nodes = members.each(|state| self.model.tension(state, &Input::REST));
-        for (tension, corners) in self.tension.iter_mut().zip(&*self.corners) {
-            let sum: f64 = corners.iter().map(|&node| nodes[node as usize]).sum();
-            *tension = self.scale * sum / 3.0;
+    /// Computes the tension of every triangle, and how it grows with the stretch of the triangle.
+    ///
+    /// A cell feels the triangles around it, too; where all stretch alike, each triangle has the whole of it. So the slope is that of a
+    /// tissue that stretches evenly, and equilibria with it are found in some more rounds.
+    fn find_tension(&mut self) {
+        let (model, members) = (&*self.model, &self.moved.members);
+        let Some(pull) = &mut self.pull else {
+            let nodes = members.each(|_, state| model.tension(state, &Input::REST));
+            for (tension, corners) in self.tension.iter_mut().zip(&*self.corners) {
+                *tension = self.scale * mean(corners, &nodes);
+            }
+            return;
+        };
+        let (mut slopes, mut own) = (Vec::new(), Vec::new());
+        let nodes = members.each(|cell, state| {
+            own.clear();
+            own.extend_from_slice(state);
+            let [tension, slope] = pull.tension(model, cell, &mut own);
+            slopes.push(slope);
+            tension
+        });
+        let most = self.strongest.per_stretch;
+        let triangles = self.tension.iter_mut().zip(&mut pull.per_stretch);
+        for ((tension, per_stretch), corners) in triangles.zip(&*self.corners) {
+            *tension = self.scale * mean(corners, &nodes);
+            *per_stretch = (self.scale * mean(corners, &slopes)).clamp(0.0, most);
         }
     }
+}
+
+/// The mean of what the corners of a triangle have.
+fn mean(corners: &[u32; 3], nodes: &[f64]) -> f64 {
+    corners.iter().map(|&node| nodes[node as usize]).sum::<f64>() / 3.0
+}
+
+/// Checks a conduction and the lengths of lists.
+fn check(
+    mesh: &Mesh,
+    fibres: &[[f64; 2]],
+    conduction: &Conduction,
+    protocols: &[Protocol],
+) -> Result<(), TissueError> {
+    for (name, value) in [("along", conduction.along), ("across", conduction.across)] {
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(TissueError::Conduction { name, value });
+        }
+    }
+    let relative = conduction.relative.as_deref();
+    let bad = relative.and_then(|all| all.iter().position(|it| !(it.is_finite() && *it >= 0.0)));
+    if let (Some(triangle), Some(all)) = (bad, relative) {
+        return Err(TissueError::Relative { triangle, value: all[triangle] });
+    }
+    let counts = [
+        ("protocols", protocols.len(), mesh.len()),
+        ("directions of fibres", fibres.len(), mesh.simplices.len()),
+        (
+            "relative conductions",
+            relative.map_or(mesh.simplices.len(), <[f64]>::len),
+            mesh.simplices.len(),
+        ),
+    ];
+    if let Some((what, found, expected)) =
+        counts.into_iter().find(|(_, found, expected)| found != expected)
+    {
+        return Err(TissueError::Count { what, found, expected });
+    }
+    Ok(())
 }
 
 /// The potential above which a cell is activated.
@@ -402,15 +577,14 @@ impl Activation for Tissue {
     }
 
     fn advance(&mut self, to_ms: f64, now: StretchState<'_>) -> Result<(), ActivationError> {
-        if let Some(channels) = &mut self.channels {
-            channels.feel(&self.corners, now.stretch);
-        }
-        self.moved.clone_from(&self.kept);
-        self.go(to_ms).map_err(|error| ActivationError(error.to_string()))
+        self.move_to(to_ms, now.stretch).map_err(|error| ActivationError(error.to_string()))
     }
 
     fn keep(&mut self) {
         self.kept.clone_from(&self.moved);
+        if let Some(pull) = &mut self.pull {
+            pull.keep();
+        }
     }
 
     fn tension(&self) -> Tension<'_> {
@@ -418,7 +592,8 @@ impl Activation for Tissue {
     }
 
     fn tangent(&self) -> Option<ActivationTangent<'_>> {
-        None
+        let Pull { per_stretch, per_rate, .. } = self.pull.as_ref()?;
+        Some(ActivationTangent { per_stretch, per_rate })
     }
 
     fn strongest(&self) -> ActivationBounds {

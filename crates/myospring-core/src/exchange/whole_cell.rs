@@ -27,6 +27,8 @@ pub struct WholeCell {
     input: Input,
     /// Crossbridges that are followed apart from the rest of the cell, which then goes on but once an interval.
     crossbridges: Option<Crossbridges>,
+    /// When the rest of that cell was moved to last, ms, since it was kept.
+    reached: Option<f64>,
     /// kPa per unit of the model's tension.
     scale: f64,
     strongest: ActivationBounds,
@@ -63,6 +65,7 @@ impl WholeCell {
             course: None,
             input: Input::REST,
             crossbridges: None,
+            reached: None,
             scale,
             strongest,
             feels_stretch,
@@ -90,7 +93,11 @@ impl WholeCell {
     /// The state that it was moved to.
     fn state(&self) -> Cow<'_, [f64]> {
         match &self.crossbridges {
-            Some(crossbridges) => crossbridges.state(&self.moved).into(),
+            Some(crossbridges) => {
+                let mut state = self.moved.state().to_vec();
+                crossbridges.put(&mut state);
+                state.into()
+            }
             None => self.moved.state().into(),
         }
     }
@@ -137,9 +144,16 @@ impl Activation for WholeCell {
         let [stretch, rate] = [now.stretch[0], now.rate[0]].map(|of| self.resting_stretch * of);
         self.input = Input { stretch, stretch_rate: rate, ..Input::REST };
         if let Some(crossbridges) = &mut self.crossbridges {
-            return crossbridges
-                .advance(&self.kept, &mut self.moved, to_ms, stretch)
-                .map_err(failed);
+            let over = to_ms - self.kept.time();
+            if self.reached != Some(to_ms) {
+                let [middle, rate] = crossbridges.foretell(over, stretch);
+                let mut cell = CellIntegrator::clone(&self.kept);
+                cell.advance_to(to_ms, middle, rate).map_err(failed)?;
+                self.moved = Arc::new(cell);
+                self.reached = Some(to_ms);
+            }
+            crossbridges.follow(over, stretch);
+            return Ok(());
         }
         if let Some(known) =
             self.course.as_ref().and_then(|course| course.at(self.intervals, to_ms))
@@ -162,6 +176,7 @@ impl Activation for WholeCell {
         self.intervals += 1;
         if let Some(crossbridges) = &mut self.crossbridges {
             crossbridges.keep(self.input.stretch);
+            self.reached = None;
         }
     }
 
@@ -181,7 +196,7 @@ impl Activation for WholeCell {
     }
 
     fn at_equilibria(&mut self) {
-        self.crossbridges = Crossbridges::of(&self.kept);
+        self.crossbridges = Crossbridges::of(&**self.kept.model(), self.kept.state());
     }
 
     fn potential(&self) -> Option<f64> {

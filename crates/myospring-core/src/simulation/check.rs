@@ -433,10 +433,9 @@ impl Simulation {
             let because = "a tissue is a flat sheet; leave out its profile, and give its thickness as that of the material";
             return conflict("a thickness in space", "a tissue", because);
         }
-        if self.resting_stretch.is_some() {
-            let because =
-                "the cells of a tissue do not feel stretch; leave out the length of the sarcomeres";
-            return conflict("a stretch at rest", "a tissue", because);
+        if self.cell.feels_stretch() && self.numerics.method.is_in_time() {
+            let because = "its stretch is foretold, which takes one that goes smoothly; take the quasi-static method";
+            return conflict("a tissue that feels stretch", "a method in time", because);
         }
         Ok(())
     }

@@ -200,6 +200,10 @@ impl Simulation {
         let probes = [("potential_start", low), ("potential_middle", 0.0), ("potential_end", high)];
         let probes = probes.map(|(name, place)| (name, nearest(place))).to_vec();
         let tissue = tissue.with_outputs(probes, self.protocol.s2_ms());
+        let tissue = match &self.resting_stretch {
+            Some(stretch) => tissue.at_resting_stretch(stretch),
+            None => tissue,
+        };
         Ok(match coupling.stretch_current {
             Some(current) => tissue.with_stretch_current(current),
             None => tissue,

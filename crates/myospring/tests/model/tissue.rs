@@ -8,8 +8,8 @@ use myospring::cell::pacing::Protocol;
 use myospring::cell::solve::{CellMethod, SolverSettings};
 use myospring::cell::{CellModel, TensionKind};
 use myospring::exchange::{
-    Activation, ActivationBounds, ActivationError, ActivationTangent, Conduction, Sites,
-    StretchCurrent, StretchState, Tissue, TissueCells, TissueError,
+    Activation, ActivationBounds, ActivationError, ActivationTangent, Conduction, Coupling, Sites,
+    StimulusPlace, StretchCurrent, StretchState, Tissue, TissueCells, TissueError,
 };
 use myospring::mechanics::Tension;
 use myospring::mechanics::support::SupportKind;
@@ -381,6 +381,76 @@ fn what_a_wave_stretches_ahead_of_it_is_nearer_to_its_threshold() {
     assert!(without.abs() < 0.1 && with > 0.5, "{without} mV, with feedback {with} mV");
 }
 
+/// A strip of human cells that feel their stretch, over its first 40 ms after the stimulus: shortening, per cent, and tension, kPa, at the
+/// end.
+fn of_human_cells(tissue: Option<Coupling>, support: SupportKind, exchange_ms: f64) -> [f64; 2] {
+    let cell = myospring::cell::model("tor_ord_land").unwrap();
+    let beat = Protocol { start_ms: 0.0, ..Protocol::once(cell.default_stimulus()) };
+    let mut simulation = Simulation {
+        tissue,
+        protocol: beat,
+        support,
+        duration: 40.0,
+        ..Simulation::new(lattice::rectangle(12, 2, 250.0).unwrap())
+    };
+    simulation.numerics.method = Method::QuasiStatic;
+    simulation.numerics.cell = SolverSettings::coupled(&*cell);
+    simulation.numerics.exchange_interval = exchange_ms;
+    simulation.numerics.output_interval = 4.0;
+    simulation.numerics.frame_interval = 4.0;
+    simulation.cell = cell;
+    let outcome = simulation.build().unwrap().run(|_| true);
+    assert_eq!(outcome.stop, None);
+    let end = outcome.recording.samples.last().unwrap();
+    [end.shortening_pct, end.ta_kpa]
+}
+
+fn coupled(diffusion: f64, stimulated: StimulusPlace) -> Coupling {
+    let conduction = Conduction::even(diffusion);
+    Coupling { conduction, stimulated, s2_stimulated: stimulated, stretch_current: None }
+}
+
+#[test]
+fn a_tissue_that_is_stimulated_everywhere_feels_its_stretch_as_one_cell_does() {
+    let tissue = coupled(0.0, StimulusPlace::Everywhere);
+    let [of_tissue, of_cell] =
+        [Some(tissue), None].map(|tissue| of_human_cells(tissue, SupportKind::MassCentre, 0.5));
+    assert!(of_cell[0] > 0.4, "{of_cell:?}");
+    for (tissue, cell) in of_tissue.into_iter().zip(of_cell) {
+        assert!((tissue / cell - 1.0).abs() < 1e-4, "{of_tissue:?} {of_cell:?}");
+    }
+}
+
+#[test]
+fn stretch_and_tension_of_a_wave_are_found_together_with_the_square_of_the_interval() {
+    let tissue = || Some(coupled(2e4, StimulusPlace::End));
+    let [long, short, shortest] = [4.0, 2.0, 1.0]
+        .map(|exchange_ms| of_human_cells(tissue(), SupportKind::MassCentre, exchange_ms));
+    let ratio = (long[0] - short[0]) / (short[0] - shortest[0]);
+    assert!((3.0..6.0).contains(&ratio), "{long:?} {short:?} {shortest:?}: {ratio}");
+}
+
+#[test]
+fn longer_sarcomeres_pull_harder_in_a_tissue_too() {
+    let pull = |stretch: f64| {
+        let cell = myospring::cell::model("tor_ord_land").unwrap();
+        let mesh = lattice::rectangle(2, 1, 250.0).unwrap();
+        let beat = Protocol { start_ms: 0.0, ..Protocol::once(cell.default_stimulus()) };
+        let protocols = vec![beat; mesh.len()];
+        let settings = SolverSettings::coupled(&*cell);
+        let cells =
+            TissueCells { model: cell, state: None, protocols: &protocols, settings, scale: 1.0 };
+        let triangles = mesh.simplices.len();
+        let fibres = vec![[1.0, 0.0]; triangles];
+        let tissue = Tissue::new(&mesh, &fibres, &Conduction::even(HUMAN), cells).unwrap();
+        let mut tissue = tissue.at_resting_stretch(&vec![stretch; triangles]);
+        tissue.reach(60.0).unwrap();
+        tissue.tension().at(0)
+    };
+    let [usual, longer] = [1.0, 1.05].map(pull);
+    assert!(longer > 1.1 * usual && usual > 1.0, "{usual} {longer} kPa");
+}
+
 #[test]
 fn what_cannot_be_coupled_is_refused_with_the_reason() {
     let mesh = lattice::rectangle(3, 2, 250.0).unwrap();
@@ -395,7 +465,7 @@ fn what_cannot_be_coupled_is_refused_with_the_reason() {
     };
     let land: Arc<dyn CellModel> = Arc::new(Land2017::published());
     let refused = new(&land, &protocols, even(), land.usual_settings()).to_string();
-    assert!(refused.contains("land_2017") & refused.contains("stretch"), "{refused}");
+    assert!(refused.contains("land_2017") & refused.contains("no potential"), "{refused}");
     let refused = new(&epi, &protocols[1..], even(), fixed(0.02));
     assert_eq!(refused, TissueError::Count { what: "protocols", found: 11, expected: 12 });
     let negative = Conduction { across: -1.0, ..even() };
