@@ -93,8 +93,22 @@ struct FromRestToRest<'a, const D: usize, const N: usize> {
 struct State<const D: usize> {
     /// At rest.
     body: Body<D>,
+    /// Positions at the two ends of intervals before, the later first.
+    past: [Vectors<D>; 2],
     tension: Held,
     active_work: f64,
+}
+
+impl<const D: usize> State<D> {
+    /// Positions at the end of the next interval, if they go on along a parabola: where to begin, no more.
+    fn foretold(&self) -> Vectors<D> {
+        let [one, two] = &self.past;
+        std::array::from_fn(|axis| {
+            let [last, one, two] = [&self.body.positions[axis], &one[axis], &two[axis]];
+            let next = |((last, one), two): ((&f64, &f64), &f64)| 3.0 * (last - one) + two;
+            last.iter().zip(one).zip(two).map(next).collect()
+        })
+    }
 }
 
 impl<'a, const D: usize, const N: usize> FromRestToRest<'a, D, N>
@@ -110,7 +124,8 @@ where
             Equilibrium::new_interruptible(system, body, tolerance, &setup.simulation.interruption);
         let equilibrium = equilibrium.map_err(broken_off)?;
         let tension = Held::of(setup.activation.tension());
-        let state = State { tension: tension.clone(), body: body.clone(), active_work: 0.0 };
+        let past = [body.positions.clone(), body.positions.clone()];
+        let state = State { tension: tension.clone(), body: body.clone(), past, active_work: 0.0 };
         let mut shaping = Self { setup, equilibrium, marked: state.clone(), state, solved: 0 };
         shaping.follow(0.0, [tension.tension(); 2])?;
         shaping.state.active_work = 0.0;
@@ -144,7 +159,12 @@ where
     fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
         let Setup { simulation, assembly, fibre_stretch, volumes, .. } = self.setup;
         self.solved += 1;
-        let positions = self.equilibrium.find(&self.state.body.positions, tensions[1]);
+        let (foretold, last) = (self.state.foretold(), &self.state.body.positions);
+        let positions = match self.equilibrium.find(&foretold, tensions[1]) {
+            Ok(positions) => Ok(positions),
+            Err(PathError::Interrupted) => Err(PathError::Interrupted),
+            Err(_) => self.equilibrium.find(last, tensions[1]),
+        };
         let positions = positions.map_err(|cause| match cause {
             PathError::Interrupted => StopReason::Interrupted { time },
             cause => {
@@ -163,13 +183,15 @@ where
         if let Some(reason) = fault(simulation.body_mesh(), &positions, time, average) {
             return Err(reason);
         }
-        let State { body, tension: before, active_work } = &mut self.state;
+        let State { body, past, tension: before, active_work } = &mut self.state;
         let mean = before.mean(&tension);
         // W = -int grad E(x; Ta) dx
         let energy =
             |body: &Body<D>| assembly.system.active_energy(&body.configuration(mean.tension()));
         *active_work += energy(body);
-        body.positions = positions;
+        let last = std::mem::replace(&mut body.positions, positions);
+        past.rotate_right(1);
+        past[0] = last;
         *active_work -= energy(body);
         *before = tension;
         Ok(())
@@ -194,7 +216,7 @@ where
 {
     fn observe(&self) -> Observed {
         let Setup { simulation, assembly, .. } = self.setup;
-        let State { body, tension, active_work } = &self.state;
+        let State { body, tension, active_work, .. } = &self.state;
         let extent = assembly.measure(&body.positions);
         let at = body.configuration(tension.tension());
         Observed {

@@ -75,7 +75,7 @@ const TRIALS: [Trial; 7] = [
     },
     Trial {
         what: "a run from equilibrium to equilibrium",
-        least: 1000,
+        least: 800,
         work: |asked| {
             let mut simulation = simulation(asked);
             simulation.numerics.method = Method::QuasiStatic;

@@ -52,6 +52,13 @@ const EXACT: f64 = 1e-10;
 /// The same with a stiffness near one whose factor is known, for a correction: Newton's method leaves more of it.
 const NEARLY: f64 = 1e-3;
 
+/// Corrections with one factor: each is at most this part of the one before, there are at most so many, and after so few the factor serves
+/// the next equilibrium, too. They end when what is left is this part of the tolerance, since what is coupled compares equilibria.
+const FALLS: f64 = 0.3;
+const MOST_USES: usize = 20;
+const FEW_USES: usize = 8;
+const LEFT: f64 = 1e-4;
+
 /// Largest number of rounds of removing the rotation with three axes; a few are enough.
 const TURNS: usize = 50;
 
@@ -76,6 +83,8 @@ pub(super) struct Solver<'a, const D: usize = 2> {
     stiffness: StiffnessMatrix<D>,
     /// Whether the factor is that of the stiffness, not of one nearby.
     is_factor: bool,
+    /// Whether there is a factor, and the last equilibrium took few uses of it.
+    serves: bool,
     /// Matrices factorised so far.
     pub(super) factorisations: usize,
     /// Checked within each factorisation.
@@ -110,6 +119,7 @@ impl<'a, const D: usize> Solver<'a, D> {
             factor: Factor::new(&body.positions, free),
             stiffness: StiffnessMatrix::new(count),
             is_factor: false,
+            serves: false,
             factorisations: 0,
             interruption: interruption.clone(),
         }
@@ -186,6 +196,7 @@ impl<'a, const D: usize> Solver<'a, D> {
     fn renew(&mut self) -> Result<(), Failure> {
         self.factorisations += 1;
         self.is_factor = true;
+        self.serves = false;
         Ok(self.factor.factorise(&self.stiffness, &self.interruption)?)
     }
 
@@ -244,7 +255,14 @@ impl<'a, const D: usize> Solver<'a, D> {
         tension: Tension<'_>,
         tolerance: f64,
     ) -> Result<(Vectors<D>, Vec<f64>), Failure> {
-        let (positions, corrections) = self.settle(guess, tension, tolerance, false)?;
+        let nearby = self.settle_nearby(guess, tension, tolerance)?;
+        let (positions, corrections) = if let Some(found) = nearby {
+            found
+        } else {
+            let found = self.settle(guess, tension, tolerance, false)?;
+            self.serves = self.is_factor;
+            found
+        };
         let positions = match self.system.support {
             Support::MassCentre | Support::Free if adrift(self.system) => {
                 self.in_place(positions, zeros(self.body.len())).0
@@ -252,6 +270,55 @@ impl<'a, const D: usize> Solver<'a, D> {
             _ => positions,
         };
         Ok((positions, corrections))
+    }
+
+    /// Corrections with one factor, the last one where it serves: a use of it costs a small part of a new one, and a small change of
+    /// tension changes the stiffness little. `None` if they do not fall fast enough.
+    ///
+    /// That they fall shows that the stiffness is positive definite in the directions in which the body was off: each is multiplied by
+    /// one minus a ratio of stiffnesses.
+    fn settle_nearby(
+        &mut self,
+        guess: &Vectors<D>,
+        tension: Tension<'_>,
+        tolerance: f64,
+    ) -> Result<Option<(Vectors<D>, Vec<f64>)>, Failure> {
+        if self.system.compliance().is_some() {
+            return Ok(None);
+        }
+        if !self.serves {
+            self.assemble(guess, tension);
+            match self.renew() {
+                Err(Failure::Indefinite) => return Ok(None),
+                renewed => renewed?,
+            }
+        }
+        self.is_factor = false;
+        let mut positions = guess.clone();
+        let mut corrections: Vec<f64> = Vec::new();
+        while corrections.len() < MOST_USES {
+            if self.interruption.is_requested() {
+                return Err(Failure::Interrupted);
+            }
+            let forces = self.forces(&positions, tension);
+            let correction = self.factor.solve(&forces);
+            let size = largest(&correction);
+            let part = corrections.last().map_or(FALLS, |last| size / last);
+            corrections.push(size);
+            if part.is_nan() || part > FALLS {
+                break;
+            }
+            // A body that is already at rest is not changed.
+            if corrections.len() > 1 || size > 1e-3 * tolerance {
+                positions = moved(&positions, &correction, 1.0);
+            }
+            if size * part <= LEFT * tolerance {
+                self.serves = corrections.len() <= FEW_USES;
+                return Ok(Some((positions, corrections)));
+            }
+        }
+        self.serves = false;
+        Ok(None)
     }
 
     fn settle(
