@@ -24,6 +24,7 @@ pub mod rhythm;
 pub mod rows;
 pub mod s2;
 pub mod shape;
+pub mod spiral;
 pub mod spontaneous;
 pub mod summary;
 pub mod tension;

@@ -102,7 +102,7 @@ def test_a_beat_has_every_metric_there_is_but_those_of_held_ends_s2_and_own_rhyt
            "peak_axial_force", "peak_contractile_moment", "peak_gel_energy"}
     thick = {"thickness_at_rest", "peak_thickening", "volume_change", "top_shortening", "bottom_shortening"}
     tissue = {"conduction_velocity", "activation_time", "activated_part", "local_action_potential_duration_90",
-              "repolarisation_spread"}
+              "repolarisation_spread", "rotation_period", "tip_drift"}
     assert set(held.metrics) == set(myospring.METRICS) - rhythm - gel - thick - tissue
     assert held.metrics["coupling_interval"] == 500
     free = {"end_force_at_rest", "peak_end_force", "time_to_peak_end_force", "end_systolic_force",

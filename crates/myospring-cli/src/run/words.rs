@@ -16,7 +16,7 @@ use std::path::Path;
 const LENGTHENING: &str = "peak_lengthening";
 
 /// Rows of the table after a run: metric and its name for people.
-pub(crate) const ROWS: [(&str, &str); 33] = [
+pub(crate) const ROWS: [(&str, &str); 35] = [
     ("peak_tension", "peak tension"),
     ("time_to_peak_tension", "time to peak tension, from stimulus"),
     ("resting_length", "resting length"),
@@ -50,14 +50,18 @@ pub(crate) const ROWS: [(&str, &str); 33] = [
     ("activated_part", "part of the tissue that is activated"),
     ("local_action_potential_duration_90", "APD90, mean over the places"),
     ("repolarisation_spread", "first to last repolarisation"),
+    ("rotation_period", "period of a spiral wave"),
+    ("tip_drift", "  drift of its tip"),
 ];
 
 /// Rows only of an S2.
-const OF_S2: [(&str, &str); 4] = [
+const OF_S2: [(&str, &str); 6] = [
     ("coupling_interval", "coupling interval of S2"),
     ("diastolic_interval", "diastolic interval before S2"),
     ("relative_peak_tension", "peak tension of S2, of that of S1"),
     ("relative_peak_shortening", "peak shortening of S2, of that of S1"),
+    ("rotation_period", "period of a spiral wave after S2"),
+    ("tip_drift", "  drift of its tip"),
 ];
 
 /// Optional columns of the table after a run.

@@ -5,8 +5,8 @@ use super::pulse::{Pulse, Top};
 use super::rows::{Context, recorded, row};
 use super::s2::{self, S1S2};
 use super::{
-    Metric, Missing, action_potential, contraction, load, reading, rest, tension, thickness, trace,
-    value, wave,
+    Metric, Missing, action_potential, contraction, load, reading, rest, spiral, tension,
+    thickness, trace, value, wave,
 };
 use crate::recording::{CALCIUM, END_FORCE, Recording, STEEPEST_RISE, Sample};
 use serde::Serialize;
@@ -118,6 +118,9 @@ fn beat(recording: &Recording, window: &Window, captured: Option<bool>) -> Beat 
     };
     if let Some(spread) = &recording.wave {
         action_potential.extend(wave::metrics(spread, stimuli));
+        if !spread.tips.is_empty() {
+            action_potential.extend(spiral::metrics(spread, stimuli));
+        }
     }
     let active = column(|s| s.ta_kpa);
     let rest = trace::baseline(&times, &active, stimulus).unwrap_or_default();
@@ -254,12 +257,15 @@ pub(super) fn s2_beat(
         without_values(&mut groups);
     }
     let [tension, contraction, shape, load, action_potential] = groups;
-    let s2 = s2::rows(
+    let mut s2 = s2::rows(
         Some(&pair),
         diastolic,
         &[&s1.tension, &s1.contraction],
         &[&tension, &contraction],
     );
+    if let Some(spread) = recording.wave.as_ref().filter(|spread| !spread.tips.is_empty()) {
+        s2.extend(spiral::metrics(spread, [s2_ms, f64::INFINITY]));
+    }
     let stimulus_ms = s2_ms;
     let calcium = calcium(recording).map_or_else(Vec::new, |values| {
         let within = of(values);

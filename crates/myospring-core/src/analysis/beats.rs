@@ -4,6 +4,7 @@ use super::bands::{BANDS, Band};
 use super::beat::{Beat, beats, potential, s2_beat};
 use super::rhythm::Rhythm;
 use super::rows::{recorded, row};
+use super::spiral;
 use super::spontaneous::{self, Upstrokes};
 use super::{Metric, Missing, Spread, beat_to_beat, s2};
 use crate::recording::{
@@ -180,6 +181,7 @@ pub fn known(in_mv: bool) -> Vec<Metric> {
     of_beat
         .chain(spontaneous::rows([Err(Missing::First); 3], if in_mv { "mV" } else { "" }))
         .chain(s2::rows(None, None, &[], &[]))
+        .chain(spiral::metrics(&Wave::default(), [0.0, f64::INFINITY]))
         .chain(energy)
         .map(|metric| Metric { value: None, missing: None, ..metric })
         .collect()
