@@ -12,7 +12,7 @@ use std::process::Command;
 const HELP: &str = "\
 Measure how fast Myospring is, beside other programs where they are installed, and print tables.
 
-Usage: cargo xtask bench [--quick | --cells] [--threads | --peers]
+Usage: cargo xtask bench [--quick | --cells | --tissue] [--threads | --peers]
 
 Without --peers only Myospring is measured (about 2 minutes). Run it on a machine with nothing else to
 do: the numbers are wall times.
@@ -20,9 +20,10 @@ do: the numbers are wall times.
 Options:
   --quick    Meshes of 2000 and 20 000 masses only
   --cells    Cell models only (with --peers about a minute)
+  --tissue   Coupled cells only (with --peers two minutes)
   --threads  What a second thread gives, on a quiet machine and beside two busy processes for each core,
              which it starts and ends itself (about 5 minutes)
-  --peers    Also run Numba, LAMMPS and Myokit by the scripts in verification/peers (about 10 minutes). They
+  --peers    Also run Numba, LAMMPS, Myokit and Finitewave by the scripts in verification/peers (about 10 minutes). They
              need Python 3.11 or newer with venv; the command makes its own virtual environment in
              target/peers/venv from verification/peers/requirements.txt. Myokit needs SUNDIALS and a C
              compiler besides (Debian: apt-get install libsundials-dev gcc; macOS: brew install
@@ -36,10 +37,14 @@ Environment:
 ";
 
 /// Our programs, by their names in `verification/examples`.
-const OWN: [&str; 4] = ["throughput", "beat_time", "cell_throughput", "quasi_static"];
+const OWN: [&str; 5] =
+    ["throughput", "beat_time", "cell_throughput", "quasi_static", "tissue_throughput"];
 
 /// Masses, and the arguments of one size.
 const SIZES: [&str; 4] = ["2k", "20k", "200k", "2M"];
+
+/// Sides of sheets of tissue, nodes: 1 and 4 cm.
+const SHEETS: [&str; 2] = ["41", "161"];
 
 /// Other programs, by their scripts.
 struct Peers {
@@ -52,7 +57,7 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     let mut sizes = &SIZES[..];
     let mut peers = None;
     let mut threads = false;
-    let mut cells_alone = false;
+    let (mut cells_alone, mut tissue_alone) = (false, false);
     for argument in arguments {
         match argument.as_str() {
             "--help" | "-h" => {
@@ -60,6 +65,7 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
                 return Ok(());
             }
             "--cells" => cells_alone = true,
+            "--tissue" => tissue_alone = true,
             "--quick" => sizes = &SIZES[..2],
             "--threads" => threads = true,
             threads::SPIN => {
@@ -79,12 +85,17 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
         say(&format!("\n{}", cells(peers.as_ref())?));
         return Ok(());
     }
+    if tissue_alone {
+        say(&format!("\n{}", tissue(peers.as_ref())?));
+        return Ok(());
+    }
     if threads {
         say(&format!("\n{}", threads::tables(sizes)?));
         return Ok(());
     }
     say(&format!("\n{}", springs(sizes, peers.as_ref())?));
     say(&format!("\n{}", cells(peers.as_ref())?));
+    say(&format!("\n{}", tissue(peers.as_ref())?));
     say(&format!("\n{}", paths()?));
     Ok(())
 }
@@ -176,6 +187,45 @@ fn cells(peers: Option<&Peers>) -> Result<String, String> {
             number(line, "tension_error_percent")?,
             number(line, "apd90_error_ms")?
         ));
+    }
+    Ok(table)
+}
+
+/// Steps of a node of coupled cells per second, in millions, and velocities of their waves.
+#[allow(clippy::format_push_string, reason = "rows of a table")]
+fn tissue(peers: Option<&Peers>) -> Result<String, String> {
+    let mut table = String::from(
+        "Tissue: millions of steps of a node per second, forward Euler of 0.02 ms, and velocity of the wave\n\n\
+         | nodes | threads | steps | velocity |",
+    );
+    table.push_str(if peers.is_some() {
+        " Finitewave | its velocity | ratio |\n|---|---|---|---|---|---|---|\n"
+    } else {
+        "\n|---|---|---|---|\n"
+    });
+    for side in SHEETS {
+        for threads in ["1", "2"] {
+            let both = |command: &mut Command| -> Result<[f64; 2], String> {
+                let lines = lines(command)?;
+                let line = lines.last().ok_or("no numbers")?;
+                Ok([number(line, "node_steps")?, number(line, "velocity_cm_per_s")?])
+            };
+            let [own, velocity] = both(&mut example("tissue_throughput", &[side, threads]))?;
+            table.push_str(&format!(
+                "| {side} x {side} | {threads} | {:.1} | {velocity:.1} cm/s |",
+                own / 1e6
+            ));
+            if let Some(peers) = peers {
+                let mut command = peers.command("bench_finitewave.py", &[side, threads]);
+                let [other, velocity] = both(&mut command)?;
+                table.push_str(&format!(
+                    " {:.1} | {velocity:.1} cm/s | {:.1} |",
+                    other / 1e6,
+                    own / other
+                ));
+            }
+            table.push('\n');
+        }
     }
     Ok(table)
 }
