@@ -86,7 +86,7 @@ pub use members::{
     distributions, response_map, responses, scatter, trace_bands,
 };
 pub use moments::{Shape, key_shapes, key_shapes_in_space, moments};
-pub use overlay::{Contour, Overlay, Sarcomeres, Tick, overlay};
+pub use overlay::{CELL, Contour, Overlay, Sarcomeres, Tick, overlay};
 pub use overview::overview;
 pub use ranking::{Bar, Ranking, rankings};
 pub use shapes::cell_shapes;

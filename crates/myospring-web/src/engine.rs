@@ -3,7 +3,7 @@
 use crate::about::{About, Model};
 use crate::cells::ShownCells;
 use crate::progress::Told;
-use crate::request::{File, Filmed, Fit, Reading, Request, Setup};
+use crate::request::{File, Filmed, Fit, OnPosts, Reading, Request, Setup};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use myospring::compare::{dose, factor};
@@ -11,6 +11,7 @@ use myospring::experiment::analyse::Analyse;
 use myospring::experiment::compare::{Compared, Side};
 use myospring::experiment::fit::FitCell;
 use myospring::experiment::input::ChosenSetting;
+use myospring::experiment::posts::{self, FollowPosts};
 use myospring::experiment::run::{BeatCell, FILE, FinishedRun, OUTPUTS, RunSeries, Style};
 use myospring::experiment::segment::Segment;
 use myospring::experiment::track::Track;
@@ -136,7 +137,9 @@ impl Engine {
                 return Ok(Answer::Model(Model::of(&*model.map_err(ExperimentError::new)?)));
             }
             Request::Analyse(reading) => return self.analyse(&reading),
-            Request::Track(film) => return self.track(film),
+            Request::Track(film) => return self.results_of(&track(film)?),
+            Request::Posts(film) => return self.follow_posts(film),
+            Request::MapWaves(film) => return self.results_of(&film.experiment()),
             Request::Traction(displaced) => return self.results_of(&displaced.experiment()?),
             Request::Fit(fit) => return self.fit(fit),
             Request::Cells { settings } => {
@@ -274,9 +277,13 @@ impl Engine {
         self.results_of(&Analyse { paths, table, beats, curves: Vec::new() })
     }
 
-    fn track(&mut self, film: Filmed) -> Result<Answer, ExperimentError> {
-        let (settings, frame_rate) = (chosen(film.settings)?, film.frame_rate_per_s);
-        self.results_of(&Track { settings, frame_rate, threads: Some(1), ..Track::of(film.name) })
+    fn follow_posts(&mut self, film: OnPosts) -> Result<Answer, ExperimentError> {
+        let OnPosts { film, post_places, post_stiffness_un_per_um } = film;
+        self.results_of(&FollowPosts {
+            track: track(film)?,
+            posts: post_places.as_deref().map(posts::places).transpose()?,
+            stiffness: post_stiffness_un_per_um.map(|stiffness| 1000.0 * stiffness),
+        })
     }
 
     fn fit(&mut self, fit: Fit) -> Result<Answer, ExperimentError> {
@@ -346,6 +353,12 @@ fn chosen(settings: BTreeMap<String, Value>) -> Result<Vec<ChosenSetting>, Exper
         Ok((settings::find(&key).ok_or_else(unknown)?, value))
     });
     chosen.collect()
+}
+
+/// How a film is followed.
+fn track(film: Filmed) -> Result<Track, ExperimentError> {
+    let (settings, frame_rate) = (chosen(film.settings)?, film.frame_rate_per_s);
+    Ok(Track { settings, frame_rate, threads: Some(1), ..Track::of(film.name) })
 }
 
 /// A run as it is compared.

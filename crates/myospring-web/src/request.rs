@@ -2,6 +2,7 @@
 
 use crate::traction::Displaced;
 use myospring::experiment::fit::TractionCurve;
+use myospring::experiment::optical::MapWaves;
 use myospring::experiment::{BeatOptions, ExperimentError};
 use myospring::measured::{Column, Kind, TableOptions};
 use myospring::settings::Value;
@@ -40,6 +41,10 @@ pub(crate) enum Request {
     Analyse(Reading),
     /// Follows the cell of a film.
     Track(Filmed),
+    /// Follows the posts that hold the tissue of a film.
+    Posts(OnPosts),
+    /// Maps the waves of a film of a tissue's light.
+    MapWaves(Lit),
     /// Finds the tractions of a cell on a gel.
     Traction(Displaced),
     /// Finds the numbers of a cell from a curve or a film.
@@ -162,6 +167,38 @@ pub(crate) struct Filmed {
     /// Settings of shape, segmentation and fibres by their keys.
     #[serde(default)]
     pub(crate) settings: BTreeMap<String, Value>,
+}
+
+/// A film of a tissue on two posts, and what it does not say itself.
+#[derive(Deserialize)]
+pub(crate) struct OnPosts {
+    #[serde(flatten)]
+    pub(crate) film: Filmed,
+    /// Column, row and size of each post, as the program takes them; found unless stated.
+    pub(crate) post_places: Option<String>,
+    /// Force per displacement of one post, uN/um.
+    pub(crate) post_stiffness_un_per_um: Option<f64>,
+}
+
+/// A film of a tissue's light, and what it does not say itself.
+#[derive(Deserialize)]
+pub(crate) struct Lit {
+    name: String,
+    frame_rate_per_s: Option<f64>,
+    pixel_size_um: Option<f64>,
+    stimulus_period_ms: Option<f64>,
+}
+
+impl Lit {
+    pub(crate) fn experiment(self) -> MapWaves {
+        MapWaves {
+            film: self.name.into(),
+            frame_rate: self.frame_rate_per_s,
+            pixel_size_um: self.pixel_size_um,
+            beats: BeatOptions { period_ms: self.stimulus_period_ms, ..BeatOptions::default() },
+            falls: None,
+        }
+    }
 }
 
 /// What is fitted to a curve.

@@ -8,16 +8,15 @@ use crate::failure::Failure;
 use crate::files::FILES;
 use crate::table::number;
 use crate::terminal::Terminal;
-use myospring::experiment::posts::{FollowPosts, FollowedPosts};
+use myospring::experiment::posts::{self, FollowPosts, FollowedPosts};
 use myospring::experiment::track::Track;
 use myospring::experiment::{Experiment, Folder};
 use myospring::mechanics::post;
-use myospring::microscopy::posts::{Post, PostShape};
 use myospring::units::Dimension;
 use std::path::Path;
 
 pub(super) fn track(args: &TrackArgs, track: Track) -> Result<ExitCode, Failure> {
-    let posts = args.post_places.as_deref().map(places).transpose()?;
+    let posts = args.post_places.as_deref().map(posts::places).transpose()?;
     let name = track.check(&FILES)?;
     let experiment = FollowPosts { track, posts, stiffness: stiffness(args)? };
     let target = args.output.output.clone();
@@ -56,29 +55,6 @@ fn stiffness(args: &TrackArgs) -> Result<Option<f64>, Failure> {
     let thickness = length("--post-thickness", &args.post_thickness)?;
     let post = post::Post { length: long, load_height, width, thickness, modulus };
     Ok(Some(post.stiffness()))
-}
-
-/// Two posts as written: `120,256,40 390,256,30x60`.
-fn places(text: &str) -> Result<[Post; 2], Failure> {
-    let wrong = || {
-        Failure::new(format!("--post-places is `{text}`; it must have column, row and size of two posts"))
-            .advise("give them in pixels from the upper left corner, like --post-places \"120,256,40 390,256,40\"")
-    };
-    let one = |text: &str| {
-        let parts: Vec<&str> = text.split(',').collect();
-        let &[column, row, size] = parts.as_slice() else { return None };
-        let parse =
-            |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
-        let shape = match size.split_once('x') {
-            None => PostShape::Round { diameter_px: parse(size)? },
-            Some((along, across)) => {
-                PostShape::Rectangle { along_px: parse(along)?, across_px: parse(across)? }
-            }
-        };
-        Some(Post { middle_px: [parse(column)?, parse(row)?], shape })
-    };
-    let posts: Option<Vec<Post>> = text.split_whitespace().map(one).collect();
-    posts.and_then(|posts| posts.try_into().ok()).ok_or_else(wrong)
 }
 
 fn for_people(followed: &FollowedPosts) -> String {

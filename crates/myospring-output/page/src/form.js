@@ -30,6 +30,8 @@ const SHAPE = { key: "shape.built_in", name: "shape", when: (form) => form.isBui
 
 const isThick = (/** @type {Form} */ form) => form.value("shape.profile") !== "flat";
 
+const isTissue = (/** @type {Form} */ form) => form.isBuiltIn && String(form.value("shape.built_in")).startsWith("tissue");
+
 /** @type {[string, Shown[]][]} */
 const GROUPS = [
   [
@@ -38,6 +40,15 @@ const GROUPS = [
       { key: "shape.profile", name: "section", when: (form) => !form.isStack },
       { key: "material.thickness", name: "greatest thickness", slider: [2, 30, 0.5], when: isThick },
       { key: "mechanics.helix_angle", name: "turn of the fibres", slider: [-90, 90, 1], start: 0, when: isThick },
+    ],
+  ],
+  [
+    "Tissue",
+    [
+      { key: "tissue.conduction_velocity", name: "conduction velocity", slider: [5, 100, 1], start: 20, when: isTissue },
+      { key: "tissue.velocity_ratio", name: "along over across the fibres", slider: [1, 5, 0.1], when: isTissue },
+      { key: "tissue.stimulated", name: "stimulated", when: isTissue },
+      { key: "tissue.stretch_conductance", name: "channels that stretch opens", slider: [0, 1, 0.01], when: isTissue },
     ],
   ],
   [
@@ -90,6 +101,8 @@ export class Form extends EventTarget {
   #numbers = new Map();
   /** Rows that are there only at times. @type {[HTMLElement, (form: Form) => boolean][]} */
   #rows = [];
+  /** Groups of rows. @type {HTMLElement[]} */
+  #groups = [];
   /** Of a shape from a file, which the form does not show. @type {Record<string, Value>} */
   #shape = {};
   /** What a run file has set, by key, and what it is called. @type {Map<string, Value>} */
@@ -244,21 +257,27 @@ export class Form extends EventTarget {
 
   /** Tells what is set up now. */
   tell() {
-    for (const [row, when] of this.#rows) row.hidden = !when(this);
+    this.#showRows();
     this.dispatchEvent(new Event("change"));
+  }
+
+  /** Shows the rows that have an effect, and the groups that have such rows. */
+  #showRows() {
+    for (const [row, when] of this.#rows) row.hidden = !when(this);
+    for (const group of this.#groups) group.hidden = [...group.children].every((row) => row.tagName === "LEGEND" || (row instanceof HTMLElement && row.hidden));
   }
 
   #build() {
     this.#rows = [];
-    const groups = GROUPS.map(([title, rows]) => fieldset(title, ...rows.map((row) => this.#row(row))));
+    this.#groups = GROUPS.map(([title, rows]) => fieldset(title, ...rows.map((row) => this.#row(row))));
     const parameters = make("details", {}, this.#parametersTitle, this.#parameters);
     this.#doses.value ||= this.#about.doses;
     const drug = make("details", {}, make("summary", {}, "Drug"), this.#doses, make("label", { class: "choice" }, "Dose ", this.#dose));
     if (this.#dose.childElementCount === 0) this.offerDoses([]);
     const reset = make("button", { type: "reset" }, "All as published");
-    this.#place.replaceChildren(fieldset("Cell", this.#row(SHAPE), this.#modelRow(), parameters, drug), ...groups, reset);
+    this.#place.replaceChildren(fieldset("Cell", this.#row(SHAPE), this.#modelRow(), parameters, drug), ...this.#groups, reset);
     this.#showParameters();
-    for (const [row, when] of this.#rows) row.hidden = !when(this);
+    this.#showRows();
   }
 
   #modelRow() {

@@ -4,7 +4,7 @@ import { find, make } from "./elements.js";
 
 /** @import { Displaced, Reading, Request, Value } from "./requests.js" */
 
-/** @typedef {"curve" | "film" | "beads" | "arrays"} What A table of curves, a film of a cell, pictures of beads, or displacements of a gel. */
+/** @typedef {"curve" | "film" | "beads" | "arrays" | "posts" | "light"} What A table of curves, a film of a cell, of beads in a gel, of a tissue on posts or of its light, or displacements of a gel. */
 
 /** Films, displacements, and tables of curves; a text may also be an outline. */
 export const FILMS = /\.(avi|y4m)$/i;
@@ -31,6 +31,8 @@ const FIELDS = {
   "--reference": "picture of the relaxed gel",
   "--cell": "where the cell is",
   "--traction": "its force on a gel",
+  "--post-places": "column, row and diameter of each post",
+  "--post-stiffness": "stiffness of a post",
 };
 
 /** A message of the program, in the words of this page. @param {string} text */
@@ -56,18 +58,33 @@ const KINDS = [
 ];
 
 /** What the page says while it reads. @type {Record<What, string>} */
-const DOING = { curve: "Finding the beats", film: "Following the film", beads: "Following the beads", arrays: "Finding the tractions" };
+const DOING = {
+  curve: "Finding the beats",
+  film: "Following the film",
+  beads: "Following the beads",
+  arrays: "Finding the tractions",
+  posts: "Following the posts",
+  light: "Mapping the waves",
+};
+
+/** What a film may show. @type {[What, string][]} */
+const SHOWN = [
+  ["film", "a cell"],
+  ["beads", "beads in a gel"],
+  ["posts", "a tissue on two posts"],
+  ["light", "the light of a tissue"],
+];
 
 /** Fields that are not for all files, and for which. @type {Record<string, What[]>} */
 const FOR = {
-  shows: ["film", "beads"],
+  shows: ["film", "beads", "posts", "light"],
   columns: ["curve"],
   kind: ["curve"],
   unit: ["curve"],
   time_unit: ["curve"],
   from_ms: ["curve", "film"],
   until_ms: ["curve", "film"],
-  stimulus_period_ms: ["curve"],
+  stimulus_period_ms: ["curve", "light"],
   peak_shortening_pct: ["curve"],
   allow_cut: ["film"],
   traction: ["curve", "film"],
@@ -78,7 +95,14 @@ const FOR = {
   subset_um: ["beads", "arrays"],
   reference: ["beads"],
   cell: ["beads", "arrays"],
+  post_stiffness_un_per_um: ["posts"],
+  post_places: ["posts"],
 };
+
+/** What a cell may be fitted to. @type {What[]} */
+const FITTED = ["curve", "film"];
+/** Films whose pixel size is a setting of a cell. @type {What[]} */
+const OF_SETTINGS = ["film", "posts"];
 
 /**
  * Two arrays of displacements, that to the right first: the one whose name says `u`, or the earlier one.
@@ -111,7 +135,7 @@ export class Measured extends EventTarget {
   constructor() {
     super();
     const kind = make("select", {}, ...KINDS.map(([value, words]) => make("option", { value }, words)));
-    const shows = make("select", {}, make("option", { value: "" }, "a cell"), make("option", { value: "beads" }, "beads in a gel"));
+    const shows = make("select", {}, ...SHOWN.map(([value, words]) => make("option", { value }, words)));
     this.#add("shows", "It shows", shows);
     this.#add("frame_rate_per_s", "Frames a second", numberField());
     this.#add("pixel_size_um", "Size of a pixel, \u00b5m", numberField());
@@ -131,6 +155,8 @@ export class Measured extends EventTarget {
     this.#add("unit_um", "A displacement of 1 is, \u00b5m", numberField("a pixel"));
     this.#add("subset_um", "Side of a square, \u00b5m", numberField());
     this.#add("reference", "Picture of the relaxed gel", make("input", { type: "file" }));
+    this.#add("post_stiffness_un_per_um", "Stiffness of a post, \u00b5N/\u00b5m", numberField());
+    this.#add("post_places", "Column, row and diameter of each post, pixels", make("input", { type: "text", placeholder: "found", spellcheck: "false" }));
     this.#add("cell", "Where the cell is: a film or picture of it, a mask or an outline", make("input", { type: "file" }));
   }
 
@@ -141,7 +167,7 @@ export class Measured extends EventTarget {
       const file = input instanceof HTMLInputElement ? input.files?.[0] : undefined;
       if (file !== undefined) return void this.dispatchEvent(new CustomEvent("given", { detail: { key, file } }));
       this.#given.delete(key);
-      if (key === "shows") this.#become(input.value === "beads" ? "beads" : "film");
+      if (key === "shows") this.#become(/** @type {What} */ (input.value));
       this.dispatchEvent(new Event("read"));
     });
     this.#fields.append(make("label", { class: input.type === "file" ? "field file" : "field" }, words, input));
@@ -170,12 +196,12 @@ export class Measured extends EventTarget {
   #become(what) {
     this.#what = what;
     const shows = this.#inputs.get("shows");
-    if (shows !== undefined) shows.value = what === "beads" ? "beads" : "";
+    if (shows !== undefined) shows.value = what;
     for (const [key, { parentElement: label }] of this.#inputs) {
       if (label !== null) label.hidden = !(FOR[key]?.includes(what) ?? true);
     }
     for (const element of document.querySelectorAll("[data-of-fit]")) {
-      if (element instanceof HTMLElement) element.hidden = what === "beads" || what === "arrays";
+      if (element instanceof HTMLElement) element.hidden = !FITTED.includes(what);
     }
   }
 
@@ -228,7 +254,7 @@ export class Measured extends EventTarget {
       time_unit: this.#text("time_unit"),
       frame_rate_per_s: this.#number("frame_rate_per_s"),
       // Of a film it is a setting of its cell.
-      pixel_size_um: this.#what === "film" ? null : this.#number("pixel_size_um"),
+      pixel_size_um: OF_SETTINGS.includes(this.#what) ? null : this.#number("pixel_size_um"),
       from_ms: this.#number("from_ms"),
       until_ms: this.#number("until_ms"),
       stimulus_period_ms: this.#number("stimulus_period_ms"),
@@ -237,7 +263,7 @@ export class Measured extends EventTarget {
 
   /** Settings that the file itself needs. @returns {Record<string, Value>} */
   get #own() {
-    if (this.#what !== "film") return {};
+    if (!OF_SETTINGS.includes(this.#what)) return {};
     const [size, cut] = [this.#number("pixel_size_um"), this.#inputs.get("allow_cut")];
     /** @type {Record<string, Value>} */
     const own = size === null ? {} : { "shape.pixel_size": `${size} um` };
@@ -262,8 +288,13 @@ export class Measured extends EventTarget {
 
   /** The question what the file shows. @returns {Request} */
   get question() {
-    const { name, frame_rate_per_s } = this.reading;
-    if (this.#what === "film") return { ask: "track", name, frame_rate_per_s, settings: this.#own };
+    const { name, frame_rate_per_s, pixel_size_um, stimulus_period_ms } = this.reading;
+    const film = { name, frame_rate_per_s, settings: this.#own };
+    if (this.#what === "film") return { ask: "track", ...film };
+    if (this.#what === "posts") {
+      return { ask: "posts", ...film, post_places: this.#text("post_places"), post_stiffness_un_per_um: this.#number("post_stiffness_un_per_um") };
+    }
+    if (this.#what === "light") return { ask: "map-waves", name, frame_rate_per_s, pixel_size_um, stimulus_period_ms };
     return this.#what === "curve" ? { ask: "analyse", ...this.reading } : { ask: "traction", ...this.#displaced };
   }
 

@@ -21,6 +21,8 @@ export type Request =
   | { ask: "outline"; settings: Record<string, Value>; name: string }
   | ({ ask: "analyse" } & Reading)
   | { ask: "track"; name: string; frame_rate_per_s: number | null; settings: Record<string, Value> }
+  | { ask: "posts"; name: string; frame_rate_per_s: number | null; settings: Record<string, Value>; post_places: string | null; post_stiffness_un_per_um: number | null }
+  | { ask: "map-waves"; name: string; frame_rate_per_s: number | null; pixel_size_um: number | null; stimulus_period_ms: number | null }
   | ({ ask: "traction" } & Displaced)
   | ({ ask: "fit"; settings: Record<string, Value>; free?: string[]; peak_shortening_pct: number | null } & Partial<OnGel> & Reading);
 

@@ -57,6 +57,9 @@ pub struct Sarcomeres<'a> {
     pub read_pct: f64,
 }
 
+/// What chosen outlines of cells are called.
+pub const CELL: [&str; 2] = ["chosen cell", "chosen cells"];
+
 /// A picture and its overlays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overlay<'a> {
@@ -72,6 +75,8 @@ pub struct Overlay<'a> {
     pub pixel_size: PixelSize,
     /// The cells; may be empty.
     pub cells: &'a [Contour<'a>],
+    /// What one chosen outline is called, and what several are: [`CELL`] for cells.
+    pub chosen: [&'a str; 2],
     /// The lattice of the chosen cell, if there is one.
     pub mesh: Option<&'a Mesh>,
     /// Fibres at many points of the chosen cell, about 1 um apart; as many are drawn as can be

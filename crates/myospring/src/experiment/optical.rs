@@ -8,8 +8,8 @@ use super::{
     BeatOptions, Draw, Experiment, ExperimentError, Files, Folder, Observer, Outcome, waves,
 };
 use crate::analysis::kind::Kind;
-use crate::analysis::value;
-use crate::analysis::wave::CONDUCTION_VELOCITY;
+use crate::analysis::{Metric, Spread, value};
+use crate::experiment::legible::number;
 use crate::measured::Curve;
 use crate::microscopy::film::FEWEST_FRAMES;
 use crate::microscopy::optical::{OpticalMap, OpticalSettings};
@@ -17,10 +17,14 @@ use crate::microscopy::picture::Selection;
 use crate::output::field::Fields;
 use crate::output::figure::{DrawnCell, Figure, FigureError, Theme};
 use crate::output::json;
+use crate::output::page::{TableCell, Tile};
 use crate::output::table::{Column, Table, column_name};
 pub use report::{OpticalReport, WaveReport};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+
+/// What the figure shows.
+const SHOWN: &str = "The frame, coloured by the time of activation, and by the action potential duration: medians of all waves.";
 
 /// Maps the waves of a film.
 #[derive(Debug, Clone, Default)]
@@ -105,10 +109,12 @@ impl Experiment for MapWaves {
         let mut mapped = MappedWaves { name, map, report, beats };
         mapped.beats.notes.extend(mapped.report.warnings.iter().cloned());
         mapped.beats.shown = Some(Shown {
+            of: mapped.name.clone(),
             id: "activation",
             title: "How the beat spreads",
-            words: mapped.words(),
+            words: SHOWN.to_owned(),
             figure: mapped.draw()?,
+            tiles: mapped.tiles(),
         });
         Ok(mapped)
     }
@@ -139,20 +145,27 @@ impl MappedWaves {
         waves::draw(&cell, &self.map.wave, &self.map.typical, since)
     }
 
-    /// What the figure shows, and how fast the waves go.
-    fn words(&self) -> String {
-        let shown = "The frame, coloured by the time of activation, and by the action potential duration: medians of all waves.";
-        let waves = &self.report.waves;
-        let velocities = waves.iter().filter_map(|wave| value(&wave.metrics, CONDUCTION_VELOCITY));
-        match self.report.spread.iter().find(|all| all.name == CONDUCTION_VELOCITY) {
-            Some(all) => format!(
-                "{shown} Conduction velocity {:.1} \u{b1} {:.1} cm/s (SD of {} waves).",
-                all.mean, all.standard_deviation, all.beats
-            ),
-            None => velocities.fold(shown.to_owned(), |words, velocity| {
-                format!("{words} Conduction velocity {velocity:.1} cm/s.")
-            }),
-        }
+    /// The numbers of the waves: of several, their mean and standard deviation.
+    fn tiles(&self) -> Vec<Tile> {
+        let OpticalReport { waves, spread, .. } = &self.report;
+        let metrics = waves.first().into_iter().flat_map(|wave| &wave.metrics);
+        let tile = |metric: &Metric| {
+            let all = spread.iter().find(|all| all.name == metric.name);
+            let shown = all.map(|all| all.mean).or(metric.value)?;
+            let lines = all.map(|Spread { standard_deviation, beats, .. }| {
+                let deviation = number(*standard_deviation);
+                TableCell::text(format!("\u{b1} {deviation} {} ({beats} waves)", metric.unit))
+            });
+            Some(Tile {
+                definition: metric.definition.to_owned(),
+                lines: lines.into_iter().collect(),
+                ..Tile::new(
+                    metric.name.replace('_', " "),
+                    TableCell { unit: metric.unit.to_owned(), ..TableCell::number(Some(shown)) },
+                )
+            })
+        };
+        metrics.filter_map(tile).collect()
     }
 
     /// A row for each wave.

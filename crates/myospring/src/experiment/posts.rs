@@ -45,6 +45,43 @@ pub struct FollowedPosts {
     times_ms: Vec<f64>,
 }
 
+/// Two posts as written: column, row and size of each in pixels, `120,256,40 390,256,30x60`.
+///
+/// # Errors
+/// A text of another form.
+///
+/// # Example
+/// ```
+/// use myospring::experiment::posts::places;
+/// let [one, other] = places("120,256,40 390,256,30x60")?;
+/// assert_eq!((one.middle_px, other.middle_px), ([120.0, 256.0], [390.0, 256.0]));
+/// assert!(places("120,256").is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn places(text: &str) -> Result<[Post; 2], ExperimentError> {
+    let wrong = || {
+        ExperimentError::new(format!(
+            "--post-places is `{text}`; it must have column, row and size of two posts"
+        ))
+        .advise("give them in pixels from the upper left corner, like --post-places \"120,256,40 390,256,40\"")
+    };
+    let one = |text: &str| {
+        let parts: Vec<&str> = text.split(',').collect();
+        let &[column, row, size] = parts.as_slice() else { return None };
+        let parse =
+            |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+        let shape = match size.split_once('x') {
+            None => PostShape::Round { diameter_px: parse(size)? },
+            Some((along, across)) => {
+                PostShape::Rectangle { along_px: parse(along)?, across_px: parse(across)? }
+            }
+        };
+        Some(Post { middle_px: [parse(column)?, parse(row)?], shape })
+    };
+    let posts: Option<Vec<Post>> = text.split_whitespace().map(one).collect();
+    posts.and_then(|posts| posts.try_into().ok()).ok_or_else(wrong)
+}
+
 impl Experiment for FollowPosts {
     type Outcome = FollowedPosts;
 
@@ -110,10 +147,12 @@ impl Experiment for FollowPosts {
         let analyse = Analyse { curves: vec![followed.curve()], ..Analyse::default() };
         followed.beats = analyse.run(files, &()).map_err(|error| error.to_string());
         let shown = followed.overlay().map(|figure| Shown {
+            of: followed.name.clone(),
             id: "posts",
             title: "The posts",
             words: "The frame at rest with the posts that were followed.".to_owned(),
             figure,
+            tiles: Vec::new(),
         });
         if let Ok(beats) = &mut followed.beats {
             beats.shown = shown.ok();
@@ -230,6 +269,7 @@ impl FollowedPosts {
                 .pixel_size()
                 .map_err(|_| FigureError::Nothing { what: "pixels" })?,
             cells: &contours,
+            chosen: ["post", "posts"],
             mesh: None,
             fibres: &[],
             sarcomeres: None,

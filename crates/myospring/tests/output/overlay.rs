@@ -2,7 +2,9 @@
 
 use myospring::mesh::pixel_size::PixelSize;
 use myospring::mesh::{Mesh, lattice};
-use myospring::output::figure::{Contour, Figure, FigureError, Overlay, Sarcomeres, Tick, overlay};
+use myospring::output::figure::{
+    self, Contour, Figure, FigureError, Overlay, Sarcomeres, Tick, overlay,
+};
 
 use super::drawn::{Pixels, size};
 
@@ -28,6 +30,7 @@ fn plain(values: &[f32]) -> Overlay<'_> {
         values,
         pixel_size: PixelSize::new(PIXEL).unwrap(),
         cells: &[],
+        chosen: figure::CELL,
         mesh: None,
         fibres: &[],
         sarcomeres: None,
@@ -272,6 +275,7 @@ fn several_cells_carry_their_names_in_a_single_panel_too() {
         values: &[0.5; 400],
         pixel_size: PixelSize::MICROMETRE,
         cells: &cells,
+        chosen: figure::CELL,
         mesh: None,
         fibres: &[],
         sarcomeres: None,

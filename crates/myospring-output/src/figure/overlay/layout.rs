@@ -39,7 +39,7 @@ const TALLEST_ABOVE: f64 = mm(75.0);
 /// # Example
 /// ```
 /// use myospring::mesh::pixel_size::PixelSize;
-/// use myospring::output::figure::{Contour, Overlay, overlay};
+/// use myospring::output::figure::{CELL, Contour, Overlay, overlay};
 /// let square = [[5.0, 5.0], [15.0, 5.0], [15.0, 15.0], [5.0, 15.0]];
 /// let cell = Contour { name: "1", rings: vec![&square], chosen: true };
 /// let picture = vec![0.0; 40 * 40];
@@ -50,6 +50,7 @@ const TALLEST_ABOVE: f64 = mm(75.0);
 ///     values: &picture,
 ///     pixel_size: PixelSize::new(0.5)?,
 ///     cells: &[cell],
+///     chosen: CELL,
 ///     mesh: None,
 ///     fibres: &[],
 ///     sarcomeres: None,
@@ -186,7 +187,7 @@ fn draw_legend(sheet: &mut Sheet, overlay: &Overlay<'_>, top: f64) -> f64 {
     let any = |chosen: bool| overlay.cells.iter().any(|cell| cell.chosen == chosen);
     let tick = |from: bool| overlay.fibres.iter().any(|tick| tick.from_picture == from);
     let several = overlay.cells.iter().filter(|cell| cell.chosen).count() > 1;
-    let chosen = if several { "chosen cells" } else { "chosen cell" };
+    let chosen = overlay.chosen[usize::from(several)];
     let entries = [
         (any(true), CHOSEN, 1.6, chosen),
         (any(false), OTHER, 1.6, "other cells"),

@@ -43,9 +43,11 @@ pub(super) fn html(
             ..Section::new("all", "All curves", vec![Part::Table(by_curve(all, several))])
         }),
     }
-    if let Some(Shown { id, title, words, figure }) = shown {
+    if let Some(Shown { id, title, words, figure, tiles, .. }) = shown {
         let figure = Part::Figure(Drawing::new(figure, words)?);
-        sections.push(Section { hint: words.clone(), ..Section::new(id, title, vec![figure]) });
+        let tiles = (!tiles.is_empty()).then(|| Part::Tiles(tiles.clone()));
+        let parts = tiles.into_iter().chain([figure]).collect();
+        sections.push(Section { hint: words.clone(), ..Section::new(id, title, parts) });
     }
     if !pairs.is_empty() {
         sections.push(together(all, pairs)?);
@@ -56,7 +58,7 @@ pub(super) fn html(
     sections.push(treatment(&found));
     page::html(&Page {
         kind: "Beats of measured curves, by Myospring",
-        title: &title(all),
+        title: &shown.map_or_else(|| title(all), |shown| format!("{}: {}", shown.of, title(all))),
         facts: facts(all),
         answer: Some(answer(all, &found)),
         warnings,
