@@ -286,7 +286,7 @@ pub trait Together: Send + Sync {
     /// cell; `stimuli` has the current of each.
     ///
     /// A cell's new state is, to the last bit, what [`CellModel::derivatives`] gives.
-    fn euler(&self, states: &mut [Vec<f64>], stimuli: &[f64], step_ms: f64);
+    fn euler(&self, states: &mut [&mut [f64]], stimuli: &[f64], step_ms: f64);
 }
 
 /// A paced cell at its resting length.

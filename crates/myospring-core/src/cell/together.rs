@@ -1,6 +1,6 @@
 //! Many cells of one model in fixed steps of forward Euler, variable by variable.
 
-use super::cell_model::CellModel;
+use super::cell_model::{CellModel, Together};
 use super::pacer::Pacer;
 use super::pacing::Protocol;
 use super::settings::SolveError;
@@ -8,6 +8,23 @@ use std::sync::Arc;
 
 /// Times closer than this fraction of a step are the same time, as for a cell alone.
 const SAME_INSTANT: f64 = 1e-6;
+
+/// Fewer cells than this are not worth a second thread, which takes longer to begin than they do.
+const WORTH_A_THREAD: usize = 8000;
+
+/// A step of all cells, which as many threads share as are worth it.
+fn shared(together: &dyn Together, mut states: Vec<&mut [f64]>, stimuli: &[f64], step_ms: f64) {
+    let half = stimuli.len() / 2;
+    if half < WORTH_A_THREAD || rayon::current_num_threads() < 2 {
+        return together.euler(&mut states, stimuli, step_ms);
+    }
+    let (first, second) = states.into_iter().map(|values| values.split_at_mut(half)).unzip();
+    let (one, other) = stimuli.split_at(half);
+    rayon::join(
+        || shared(together, first, one, step_ms),
+        || shared(together, second, other, step_ms),
+    );
+}
 
 /// Cells that make their steps together. Steps end where those of [`CellIntegrator`](super::integrator::CellIntegrator) do, on the grid of
 /// fixed steps and at events; an event of one cell ends the step of all.
@@ -94,7 +111,8 @@ impl CellsTogether {
             let step_ms =
                 if self.on_grid && to_grid { self.step_ms } else { stop_ms - self.time_ms };
             if let Some(together) = self.model.together() {
-                together.euler(&mut self.states, &self.stimuli, step_ms);
+                let states = self.states.iter_mut().map(Vec::as_mut_slice).collect();
+                shared(together, states, &self.stimuli, step_ms);
             }
             self.time_ms = stop_ms;
             self.on_grid = to_grid;

@@ -12,6 +12,7 @@
 
 use crate::mesh::Mesh;
 use crate::mesh::simplex::{measure, measure_gradients};
+use std::ops::Range;
 
 /// Rounds at most, and the part of the rest that ends them.
 const ROUNDS: usize = 1000;
@@ -49,14 +50,24 @@ impl Conduction {
 pub(super) struct Diffusion {
     /// Area of each node, um^2.
     areas: Vec<f64>,
-    /// Where the partners of each node begin, one more than nodes.
-    starts: Vec<usize>,
-    /// Partners of each node, and what flows to them for each unit of difference, um^2/ms times area.
-    partners: Vec<(u32, f64)>,
-    /// The sum over the partners of each node.
+    /// Nodes one after the other whose partners are as far from each in their numbers, so that a register holds several of them.
+    runs: Vec<Run>,
+    /// What flows from a node to its partner for each unit of difference, 1/ms: run by run, partner by partner, node by node.
+    flows: Vec<f64>,
+    /// The sum over the partners of each node, 1/ms.
     diagonal: Vec<f64>,
     /// A bound of the rate of the fastest mode, 1/ms (Gershgorin).
     fastest: f64,
+}
+
+/// Nodes of one pattern.
+#[derive(Debug, Clone)]
+struct Run {
+    nodes: Range<usize>,
+    /// The number of each partner less that of the node.
+    offsets: Vec<isize>,
+    /// Where its flows begin.
+    flows: usize,
 }
 
 impl Diffusion {
@@ -86,45 +97,33 @@ impl Diffusion {
             }
         }
         pairs.sort_unstable_by_key(|&(from, to, _)| (from, to));
-        let mut diffusion = Self {
-            areas,
-            starts: vec![0; count + 1],
-            partners: Vec::new(),
-            diagonal: vec![0.0; count],
-            fastest: 0.0,
-        };
+        let mut partners: Vec<Vec<(usize, f64)>> = vec![Vec::new(); count];
         for same in pairs.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-            let (from, to) = (same[0].0, same[0].1);
+            let (from, to) = (same[0].0 as usize, same[0].1 as usize);
             let flow: f64 = same.iter().map(|pair| pair.2).sum();
             // Where the potential spreads alike in all directions nothing flows along the diagonals of squares.
             let largest = same.iter().map(|pair| pair.2.abs()).fold(0.0, f64::max);
-            if flow.abs() <= ROUNDING * largest {
-                continue;
+            if flow.abs() > ROUNDING * largest {
+                partners[from].push((to, flow / areas[from]));
             }
-            diffusion.partners.push((to, flow));
-            diffusion.diagonal[from as usize] += flow;
-            diffusion.starts[from as usize + 1] += 1;
         }
-        for node in 0..count {
-            diffusion.starts[node + 1] += diffusion.starts[node];
-        }
-        let rate = |node: usize| {
-            let partners =
-                diffusion.partners[diffusion.starts[node]..diffusion.starts[node + 1]].iter();
-            let flows: f64 = partners.map(|(_, flow)| flow.abs()).sum();
-            (diffusion.diagonal[node].abs() + flows) / diffusion.areas[node]
+        let diagonal: Vec<f64> =
+            partners.iter().map(|own| own.iter().map(|(_, flow)| flow).sum()).collect();
+        let rate = |(own, diagonal): (&Vec<(usize, f64)>, &f64)| {
+            diagonal.abs() + own.iter().map(|(_, flow)| flow.abs()).sum::<f64>()
         };
-        diffusion.fastest = (0..count).map(rate).fold(0.0, f64::max);
-        diffusion
+        let fastest = partners.iter().zip(&diagonal).map(rate).fold(0.0, f64::max);
+        let (runs, flows) = runs(&partners);
+        Self { areas, runs, flows, diagonal, fastest }
     }
 
-    /// `M u + by K u`, where `K` takes what flows away.
+    /// `M (u + by K u)`, where `K` takes what flows away.
     fn times(&self, by: f64, potential: &[f64], product: &mut Vec<f64>) {
-        product.clear();
-        product.extend(
-            (0..potential.len())
-                .map(|node| self.areas[node] * potential[node] + by * self.away(node, potential)),
-        );
+        product.resize(potential.len(), 0.0);
+        self.away(potential, product);
+        for ((product, potential), area) in product.iter_mut().zip(potential).zip(&self.areas) {
+            *product = area * (potential + by * *product);
+        }
     }
 
     /// Spreads a potential for some time, ms.
@@ -136,27 +135,26 @@ impl Diffusion {
         }
     }
 
-    /// A short step: `u - h K u + h^2/2 K^2 u - ...` with `K` over the areas.
+    /// A short step: `u - h K u + h^2/2 K^2 u - ...`
     fn series(&self, potential: &mut [f64], over_ms: f64, room: &mut Room) {
         let Room { left: term, product: next, .. } = room;
         term.clear();
         term.extend_from_slice(potential);
+        next.resize(potential.len(), 0.0);
         for number in 1..=TERMS {
+            self.away(term, next);
             let by = -over_ms / number as f64;
-            next.clear();
-            next.extend((0..term.len()).map(|node| by / self.areas[node] * self.away(node, term)));
-            for (value, next) in potential.iter_mut().zip(&*next) {
-                *value += next;
+            for (next, value) in next.iter_mut().zip(&mut *potential) {
+                *next *= by;
+                *value += *next;
             }
             std::mem::swap(term, next);
         }
     }
 
-    /// What flows away from a node, um^2/ms times area.
-    fn away(&self, node: usize, potential: &[f64]) -> f64 {
-        let partners = &self.partners[self.starts[node]..self.starts[node + 1]];
-        let flows = partners.iter().map(|&(other, flow)| flow * potential[other as usize]);
-        self.diagonal[node] * potential[node] - flows.sum::<f64>()
+    /// What flows away from each node, 1/ms.
+    fn away(&self, potential: &[f64], away: &mut [f64]) {
+        pulp::Arch::new().dispatch(Away { of: self, potential, away });
     }
 
     fn crank_nicolson(&self, potential: &mut [f64], over_ms: f64, room: &mut Room) {
@@ -166,7 +164,7 @@ impl Diffusion {
         self.times(-half, potential, left);
         self.times(half, potential, product);
         left.iter_mut().zip(&*product).for_each(|(left, product)| *left -= product);
-        let scale = |node: usize| 1.0 / (self.areas[node] + half * self.diagonal[node]);
+        let scale = |node: usize| 1.0 / (self.areas[node] * (1.0 + half * self.diagonal[node]));
         next.clear();
         next.extend(left.iter().enumerate().map(|(node, left)| scale(node) * left));
         direction.clone_from(next);
@@ -191,6 +189,60 @@ impl Diffusion {
             let was = std::mem::replace(&mut size, product_of(left, next));
             for (way, next) in direction.iter_mut().zip(&*next) {
                 *way = next + size / was * *way;
+            }
+        }
+    }
+}
+
+/// Puts nodes one after the other of one pattern together; their flows.
+fn runs(partners: &[Vec<(usize, f64)>]) -> (Vec<Run>, Vec<f64>) {
+    let offsets_of = |node: usize| -> Vec<isize> {
+        partners[node].iter().map(|&(other, _)| other as isize - node as isize).collect()
+    };
+    let (mut runs, mut flows): (Vec<Run>, Vec<f64>) = (Vec::new(), Vec::new());
+    let mut first = 0;
+    while first < partners.len() {
+        let offsets = offsets_of(first);
+        let others = first + 1..partners.len();
+        let last = others.take_while(|&node| offsets_of(node) == offsets).last().unwrap_or(first);
+        let nodes = first..last + 1;
+        let start = flows.len();
+        for partner in 0..offsets.len() {
+            flows.extend(partners[nodes.clone()].iter().map(|own| own[partner].1));
+        }
+        first = nodes.end;
+        runs.push(Run { nodes, offsets, flows: start });
+    }
+    (runs, flows)
+}
+
+/// What flows away from each node, compiled for each kind of vector unit.
+struct Away<'a> {
+    of: &'a Diffusion,
+    potential: &'a [f64],
+    away: &'a mut [f64],
+}
+
+impl pulp::WithSimd for Away<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { of: Diffusion { runs, flows, diagonal, .. }, potential, away } = self;
+        for Run { nodes, offsets, flows: start } in runs {
+            let away = &mut away[nodes.clone()];
+            let own = potential[nodes.clone()].iter().zip(&diagonal[nodes.clone()]);
+            for (away, (own, diagonal)) in away.iter_mut().zip(own) {
+                *away = diagonal * own;
+            }
+            for (partner, offset) in offsets.iter().enumerate() {
+                let first = nodes.start.wrapping_add_signed(*offset);
+                let others = &potential[first..first + nodes.len()];
+                let flows = &flows[start + partner * nodes.len()..][..nodes.len()];
+                for ((away, other), flow) in away.iter_mut().zip(others).zip(flows) {
+                    *away -= flow * other;
+                }
             }
         }
     }

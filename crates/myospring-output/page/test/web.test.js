@@ -40,6 +40,18 @@ test("each slider changes the beat, which goes on where it was", async () => {
   });
 });
 
+test("a strip of tissue has a velocity, and its wave is told", async () => {
+  await opened({}, async (page) => {
+    assert.equal(await page.getByRole("group", { name: "Tissue" }).isVisible(), false);
+    const before = await runsOf(page);
+    await page.getByRole("combobox", { name: "shape", exact: true }).selectOption("tissue_strip");
+    await ran(page, before + 1);
+    assert.equal(await page.getByRole("group", { name: "Tissue" }).isVisible(), true);
+    assert.match((await page.locator("main").textContent()) ?? "", /conduction velocity/);
+    await shot(page, "tissue");
+  });
+});
+
 /** Takes a run file with a coarse mesh: the engine that is built for tests is slow. @param {Page} page */
 async function coarse(page) {
   const file = join(folder, "coarse.toml");

@@ -6,10 +6,13 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { violationsOn } from "./axe.js";
 import { arrays, beadFilm, outline } from "./gel.js";
+import { COLUMNS, lightFilm, ROWS } from "./light.js";
 import { ended, opened, ran, result, runsOf, shot, tile } from "./opened.js";
 import { folder, myospring } from "./program.js";
 
 /** @import { Page } from "playwright-core" */
+
+const EXAMPLES = join(import.meta.dirname, "../../../../examples");
 
 /**
  * Numbers are alike, everything else is equal.
@@ -238,6 +241,52 @@ test("a film of beads in a gel gives the force of the cell, relative to rest or 
     assert.equal((await result(page, "traction.csv")).trim().split("\n").length, 7);
     assert.ok(Number.parseFloat((await tile(page, "axial force")) ?? "") > 10);
     await shot(page, "beads");
+  });
+});
+
+test("a film of a tissue on two posts gives its force, found or where they are said to be", async () => {
+  await opened({}, async (page) => {
+    await page.locator("#file").setInputFiles(join(EXAMPLES, "tutorial/strip.tif"));
+    await ended(page);
+    const first = await runsOf(page);
+    await page.locator("#measured").getByLabel("It shows").selectOption("a tissue on two posts");
+    await ran(page, first + 1);
+    assert.equal(await ended(page), null);
+    assert.equal(await page.locator("#posts img").isVisible(), true);
+    assert.equal(await page.getByRole("button", { name: "Fit the cell" }).isVisible(), false);
+    await fillIn(page, "Stiffness of a post, \u00b5N/\u00b5m", "1.09");
+    await ran(page, first + 2);
+    assert.equal(await ended(page), null);
+    const found = JSON.parse(await result(page, "posts.json"));
+    assert.ok(Math.abs(found.largest_approach_um - 657.9) < 0.5, `${found.largest_approach_um}`);
+    const { middle_px: one } = found.posts[0];
+    const { middle_px: other } = found.posts[1];
+    await fillIn(page, "Column, row and diameter of each post, pixels", `${one.join(",")},25 ${other.join(",")},25`);
+    await ran(page, first + 3);
+    assert.equal(await ended(page), null);
+    await fillIn(page, "Column, row and diameter of each post, pixels", "here and there");
+    await page.locator("#failure", { hasText: "\u201ccolumn, row and diameter of each post\u201d" }).waitFor();
+    await shot(page, "posts");
+  });
+});
+
+test("a film of a tissue's light gives a map of its wave and how fast it goes", async () => {
+  await writeFile(join(folder, "light.y4m"), lightFilm());
+  await opened({}, async (page) => {
+    await page.locator("#file").setInputFiles(join(folder, "light.y4m"));
+    await ended(page);
+    await page.locator("#measured").getByLabel("It shows").selectOption("the light of a tissue");
+    await page.locator("#failure", { hasText: "\u201csize of a pixel\u201d" }).waitFor();
+    const first = await runsOf(page);
+    await fillIn(page, "Size of a pixel, \u00b5m", "100");
+    await ran(page, first + 1);
+    assert.equal(await ended(page), null);
+    const velocity = Number.parseFloat((await tile(page, "conduction velocity")) ?? "");
+    assert.ok(Math.abs(velocity - 5) < 0.25, `${velocity} cm/s`);
+    assert.equal(await page.locator("#activation img").isVisible(), true);
+    assert.equal((await result(page, "activation.csv")).trim().split("\n").length, 1 + COLUMNS * ROWS);
+    assert.deepEqual(await violationsOn(page), []);
+    await shot(page, "light");
   });
 });
 

@@ -7,7 +7,7 @@ use crate::cell::cell_model::Together;
 const LANES: usize = 16;
 
 impl Together for MinimalModel {
-    fn euler(&self, states: &mut [Vec<f64>], stimuli: &[f64], step_ms: f64) {
+    fn euler(&self, states: &mut [&mut [f64]], stimuli: &[f64], step_ms: f64) {
         let [u, v, w, s, ta_i, ta] = states else {
             unreachable!("the minimal model has six state variables, not {}", states.len());
         };
@@ -80,7 +80,8 @@ mod tests {
             let stimuli: Vec<f64> = (0..37).map(|cell| at(cell, 6)).collect();
             let mut states: Vec<Vec<f64>> =
                 (0..6).map(|k| (0..37).map(|cell| state(cell)[k]).collect()).collect();
-            model.euler(&mut states, &stimuli, 0.02);
+            let mut lists: Vec<&mut [f64]> = states.iter_mut().map(Vec::as_mut_slice).collect();
+            model.euler(&mut lists, &stimuli, 0.02);
             for cell in 0..37 {
                 let (before, mut rates) = (state(cell), [0.0; 6]);
                 let input = Input { stimulus: stimuli[cell], ..Input::REST };
