@@ -3,6 +3,7 @@
 //! `cargo xtask test` checks everything; `cargo xtask help` lists the rest.
 
 mod bench;
+mod endure;
 mod licences;
 mod page;
 mod python;
@@ -25,6 +26,8 @@ Commands:
                `--quick` leaves out what is slow
   verify       Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
   bench        Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
+  endure       End the program at random moments, take from it what it needs, and look at what is left;
+               `cargo xtask endure --help` says more
   web          Build the page: one HTML file with the engine inside, target/web/myospring.html
   site         Build the page, the documentation with a search, and the API as a web site, target/site
   licences     Collect the licences that wheels and archives carry
@@ -37,6 +40,7 @@ fn main() -> ExitCode {
     let result = match command.as_deref() {
         Some("test") => test::run(&std::env::args().skip(2).collect::<Vec<_>>()),
         Some("verify") => verify::run(std::env::args().skip(2).collect()),
+        Some("endure") => endure::run(&std::env::args().skip(2).collect::<Vec<_>>()),
         Some("bench") => bench::run(std::env::args().skip(2).collect()),
         Some("web") => web::run(),
         Some("site") => site::run(),

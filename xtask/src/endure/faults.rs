@@ -1,0 +1,107 @@
+//! What the program needs, taken away: it must say so, and what it leaves must be whole files.
+
+use super::results::Results;
+use super::{Place, Trial, Work, ended};
+use crate::tools::say;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// A limit of the shell under which the program is started.
+struct Limit {
+    name: &'static str,
+    /// `ulimit` and its value.
+    ulimit: &'static str,
+}
+
+const LIMITS: [Limit; 3] = [
+    Limit { name: "150 MB of address space", ulimit: "-v 150000" },
+    Limit { name: "12 open files", ulimit: "-n 12" },
+    Limit { name: "files of at most 8 kB", ulimit: "-f 8" },
+];
+
+/// Size of a disk that is full soon, kB.
+const DISKS_KB: [u32; 3] = [4, 64, 400];
+
+/// Tries all; what went wrong.
+pub(super) fn all(place: &Place<'_>, trials: &[Trial<'_>]) -> Result<Vec<String>, String> {
+    let mut faults = Vec::new();
+    if !cfg!(unix) {
+        say("\nSKIPPED: limits and full disks, which take Unix\n");
+        return Ok(faults);
+    }
+    for trial in trials {
+        for Limit { name, ulimit } in LIMITS {
+            let output = format!("{}_limited", trial.work.name);
+            let command = under(&format!("ulimit {ulimit}"), place, trial.work, &output);
+            faults.extend(looked_at(command, place.folder, &output, trial, name)?);
+        }
+        for kilobytes in DISKS_KB {
+            faults.extend(on_a_small_disk(place, trial, kilobytes)?);
+        }
+    }
+    Ok(faults)
+}
+
+/// The work, started by a shell after a command of the shell.
+fn under(first: &str, place: &Place<'_>, work: &Work, output: &str) -> Command {
+    let usual = place.command(work, output, false);
+    let mut command = Command::new("sh");
+    // A signal that a limit sends is ignored: then the limit is an error of the call.
+    command.arg("-c").arg(format!("trap '' XFSZ; {first} && exec \"$0\" \"$@\""));
+    command.arg(usual.get_program()).args(usual.get_args());
+    command.current_dir(place.folder).stdout(Stdio::null()).stderr(Stdio::piped());
+    command
+}
+
+/// Runs a command: where it fails it says why, in words, and what it leaves is whole, file by file.
+fn looked_at(
+    command: Command,
+    folder: &Path,
+    output: &str,
+    trial: &Trial<'_>,
+    fault: &str,
+) -> Result<Vec<String>, String> {
+    let (succeeded, error) = ended(command)?;
+    let target = folder.join(output);
+    let what = format!("{}, {fault}", trial.work.name);
+    let mut faults = Vec::new();
+    if error.contains("panicked") {
+        faults.push(format!("{what}: {error}"));
+    }
+    if !succeeded && error.trim().is_empty() {
+        faults.push(format!("{what}: it ended without a word"));
+    }
+    let left = Results::of(&target)?;
+    if succeeded {
+        faults
+            .extend(trial.undisturbed.differences(&left).iter().map(|it| format!("{what}: {it}")));
+    } else if !trial.work.resumes {
+        faults.extend(trial.undisturbed.others(&left).iter().map(|it| format!("{what}: {it}")));
+    }
+    if target.exists() {
+        std::fs::remove_dir_all(&target).map_err(|error| format!("{what}: {error}"))?;
+    }
+    Ok(faults)
+}
+
+/// The same with a disk that is soon full, where this user may make one.
+fn on_a_small_disk(
+    place: &Place<'_>,
+    trial: &Trial<'_>,
+    kilobytes: u32,
+) -> Result<Vec<String>, String> {
+    let disk = place.folder.join("disk");
+    std::fs::create_dir_all(&disk).map_err(|error| format!("{}: {error}", disk.display()))?;
+    let mut mount = Command::new("mount");
+    mount.args(["-t", "tmpfs", "-o"]).arg(format!("size={kilobytes}k")).arg("tmpfs").arg(&disk);
+    if !mount.stderr(Stdio::null()).status().is_ok_and(|status| status.success()) {
+        say(&format!("SKIPPED: {}, a full disk: only root mounts one\n", trial.work.name));
+        return Ok(Vec::new());
+    }
+    let output = format!("disk/{}", trial.work.name);
+    let command = under("true", place, trial.work, &output);
+    let fault = format!("a disk of {kilobytes} kB");
+    let faults = looked_at(command, place.folder, &output, trial, &fault);
+    Command::new("umount").arg(&disk).status().ok();
+    faults
+}
