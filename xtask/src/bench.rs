@@ -33,6 +33,7 @@ Options:
 Environment:
   PYTHON           The Python to make the virtual environment with; python3
   PEERS_PYTHON     A Python that has the packages already: nothing is installed
+  TISSUE_PEERS_PYTHON  The same for Finitewave, which needs an older NumPy (verification/peers/tissue.txt)
   SUNDIALS_PREFIX  Where SUNDIALS is, if not in a usual place
 ";
 
@@ -55,7 +56,7 @@ struct Peers {
 
 pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     let mut sizes = &SIZES[..];
-    let mut peers = None;
+    let mut beside = false;
     let mut threads = false;
     let (mut cells_alone, mut tissue_alone) = (false, false);
     for argument in arguments {
@@ -72,7 +73,7 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
                 threads::spin();
                 return Ok(());
             }
-            "--peers" => peers = Some(Peers::find_or_make()?),
+            "--peers" => beside = true,
             other => return Err(format!("there is no option `{other}`\n\n{HELP}")),
         }
     }
@@ -81,21 +82,23 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
     build.args(OWN.map(|name| format!("--example={name}")));
     step("the programs to be measured", build)?;
     say(&format!("\n{}\n", machine()));
-    if cells_alone {
-        say(&format!("\n{}", cells(peers.as_ref())?));
-        return Ok(());
-    }
-    if tissue_alone {
-        say(&format!("\n{}", tissue(peers.as_ref())?));
-        return Ok(());
-    }
     if threads {
         say(&format!("\n{}", threads::tables(sizes)?));
         return Ok(());
     }
+    let of_tissue = (beside && !cells_alone).then(Peers::of_tissue).transpose()?;
+    if tissue_alone {
+        say(&format!("\n{}", tissue(of_tissue.as_ref())?));
+        return Ok(());
+    }
+    let peers = beside.then(Peers::find_or_make).transpose()?;
+    if cells_alone {
+        say(&format!("\n{}", cells(peers.as_ref())?));
+        return Ok(());
+    }
     say(&format!("\n{}", springs(sizes, peers.as_ref())?));
     say(&format!("\n{}", cells(peers.as_ref())?));
-    say(&format!("\n{}", tissue(peers.as_ref())?));
+    say(&format!("\n{}", tissue(of_tissue.as_ref())?));
     say(&format!("\n{}", paths()?));
     Ok(())
 }
@@ -244,7 +247,16 @@ fn paths() -> Result<String, String> {
 impl Peers {
     fn find_or_make() -> Result<Self, String> {
         let requirements = "verification/peers/requirements.txt";
-        let python = python::find_or_make("PEERS_PYTHON", "target/peers/venv", requirements)?;
+        Self::of("PEERS_PYTHON", "target/peers/venv", requirements)
+    }
+
+    /// Finitewave alone.
+    fn of_tissue() -> Result<Self, String> {
+        Self::of("TISSUE_PEERS_PYTHON", "target/peers/tissue", "verification/peers/tissue.txt")
+    }
+
+    fn of(variable: &str, folder: &str, requirements: &str) -> Result<Self, String> {
+        let python = python::find_or_make(variable, folder, requirements)?;
         let folder = root().join("target/peers");
         std::fs::create_dir_all(&folder)
             .map_err(|error| format!("the folder {} cannot be made: {error}", folder.display()))?;
