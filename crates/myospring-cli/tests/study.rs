@@ -306,7 +306,7 @@ fn response_curves_are_drawn_for_grids_and_for_one_parameter_at_a_time() {
 fn small(study: &str) -> String {
     let mesh = "[run.shape]\nspacing = \"7 um\"\n[run.cell]";
     let study = study.replace("[run.shape]\nspacing = \"4 um\"\n", "");
-    let beats = study.contains("kind = \"beat\"");
+    let beats = study.contains("kind = \"beat\"") && !study.contains("[run.shape]");
     let study = if beats { study.replace("[run.cell]", mesh) } else { study };
     let less = [
         "trajectories = 50",
@@ -318,6 +318,9 @@ fn small(study: &str) -> String {
         "levels = 15",
         "levels = 9",
         "steady_state = 0.001",
+        "spacing = \"200 um\"",
+        "levels = 7",
+        "duration = \"2 s\"",
     ];
     less.into_iter()
         .zip([
@@ -330,6 +333,9 @@ fn small(study: &str) -> String {
             "levels = 3",
             "levels = 2",
             "steady_state = 0.1",
+            "spacing = \"400 um\"",
+            "levels = 2",
+            "duration = \"400 ms\"",
         ])
         .fold(study, |study, (usual, small)| study.replace(usual, small))
 }
@@ -365,6 +371,7 @@ fn every_study_of_the_examples_runs_and_all_parameters_of_the_paper_are_looked_a
         "population.toml",
         "restitution.toml",
         "s1_s2.toml",
+        "spiral_drift.toml",
         "tor_ord_population.toml",
     ];
     assert_eq!(known, all);

@@ -118,9 +118,7 @@ fn beat(recording: &Recording, window: &Window, captured: Option<bool>) -> Beat 
     };
     if let Some(spread) = &recording.wave {
         action_potential.extend(wave::metrics(spread, stimuli));
-        if !spread.tips.is_empty() {
-            action_potential.extend(spiral::metrics(spread, stimuli));
-        }
+        action_potential.extend(spiral::of_turning(spread, stimuli));
     }
     let active = column(|s| s.ta_kpa);
     let rest = trace::baseline(&times, &active, stimulus).unwrap_or_default();
@@ -263,8 +261,8 @@ pub(super) fn s2_beat(
         &[&s1.tension, &s1.contraction],
         &[&tension, &contraction],
     );
-    if let Some(spread) = recording.wave.as_ref().filter(|spread| !spread.tips.is_empty()) {
-        s2.extend(spiral::metrics(spread, [s2_ms, f64::INFINITY]));
+    if let Some(spread) = &recording.wave {
+        s2.extend(spiral::of_turning(spread, [s2_ms, f64::INFINITY]));
     }
     let stimulus_ms = s2_ms;
     let calcium = calcium(recording).map_or_else(Vec::new, |values| {

@@ -59,6 +59,12 @@ pub fn metrics(wave: &Wave, within_ms: [f64; 2]) -> Vec<Metric> {
     ]
 }
 
+/// These metrics where a spiral wave turns; none where none does.
+pub(super) fn of_turning(wave: &Wave, within_ms: [f64; 2]) -> Vec<Metric> {
+    let metrics = metrics(wave, within_ms);
+    if metrics.iter().all(|metric| metric.value.is_none()) { Vec::new() } else { metrics }
+}
+
 /// The median time from one activation of a place to the next, ms; `None` where no place is activated twice, or no wave ends.
 fn rotation_period(wave: &Wave, is_within: impl Fn(f64) -> bool) -> Option<f64> {
     if !wave.tips.iter().any(|tip| is_within(tip.t_ms)) {

@@ -1,6 +1,7 @@
 //! Tissue: cells that stimulate each other, against a separate program, closed forms and cells alone.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use myospring::analysis::value;
 use myospring::cell::bueno_orovio_2008::{Variant, model};
 use myospring::cell::integrator::CellIntegrator;
 use myospring::cell::land_2017::Land2017;
@@ -200,6 +201,15 @@ fn a_wave_is_slower_across_the_fibres_by_the_ratio_that_is_asked_for() {
                 [run]\nduration = \"100 ms\"";
     let found = metric(&run(text, &[]), "conduction_velocity");
     assert!((found / 30.0 - 1.0).abs() < 0.005, "{found} cm/s");
+}
+
+#[test]
+fn what_a_wave_does_of_work_is_stored_and_given_back() {
+    let text = "[tissue]\nconduction_velocity = \"50 cm/s\"\n[run]\nduration = \"200 ms\"";
+    let energy = run(text, &[]).beats().energy;
+    let of = |name: &str| value(&energy, name).unwrap();
+    assert!(of("largest_stored_energy") > 1e5, "{} fJ", of("largest_stored_energy"));
+    assert!(of("energy_gap").abs() < 0.5, "{} %", of("energy_gap"));
 }
 
 #[test]
