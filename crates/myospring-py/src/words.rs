@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 /// Options of the program that are no settings: name, argument here, and words that may follow as a value. Those of an
 /// empty argument have no counterpart: what they say is done by arrays.
-const OF_TABLES: [(&str, &str, &[&str]); 37] = [
+const OF_TABLES: [(&str, &str, &[&str]); 38] = [
     ("--columns", "columns", &[]),
     ("--time", "time", &[]),
     ("--kind", "kind", &["contraction"]),
@@ -44,6 +44,7 @@ const OF_TABLES: [(&str, &str, &[&str]); 37] = [
     ("--whole-frame", "whole_frame", &[]),
     ("--shard", "shard", &[]),
     ("--subset", "subset_um", &[]),
+    ("--post-places", "posts", &[]),
     ("--layout", "", &["columns", "rows"]),
     ("--decimal", "", &["comma", "point"]),
 ];

@@ -32,6 +32,9 @@ const isThick = (/** @type {Form} */ form) => form.value("shape.profile") !== "f
 
 const isTissue = (/** @type {Form} */ form) => form.isBuiltIn && String(form.value("shape.built_in")).startsWith("tissue");
 
+/** A coarse mesh, so that a slider does not wait. */
+const TISSUE = { "shape.spacing": "200 um" };
+
 /** @type {[string, Shown[]][]} */
 const GROUPS = [
   [
@@ -45,7 +48,7 @@ const GROUPS = [
   [
     "Tissue",
     [
-      { key: "tissue.conduction_velocity", name: "conduction velocity", slider: [5, 100, 1], start: 20, when: isTissue },
+      { key: "tissue.conduction_velocity", name: "conduction velocity", slider: [100, 1000, 10], start: 200, when: isTissue },
       { key: "tissue.velocity_ratio", name: "along over across the fibres", slider: [1, 5, 0.1], when: isTissue },
       { key: "tissue.stimulated", name: "stimulated", when: isTissue },
       { key: "tissue.stretch_conductance", name: "channels that stretch opens", slider: [0, 1, 0.01], when: isTissue },
@@ -159,7 +162,8 @@ export class Form extends EventTarget {
 
   /** @returns {Setup} */
   get setup() {
-    const settings = { "numerics.integrator": "quasi-static", ...this.#shape, ...Object.fromEntries(this.#changed) };
+    const usual = { "numerics.integrator": "quasi-static", ...(isTissue(this) ? TISSUE : {}) };
+    const settings = { ...usual, ...this.#shape, ...Object.fromEntries(this.#changed) };
     const numbers = Object.fromEntries(this.#numbers);
     /** @type {Record<string, Value>} */
     const all = this.#numbers.size > 0 ? { ...settings, "cell.parameters": numbers } : settings;

@@ -71,8 +71,8 @@ const DOING = {
 const SHOWN = [
   ["film", "a cell"],
   ["beads", "beads in a gel"],
-  ["posts", "a tissue on two posts"],
-  ["light", "the light of a tissue"],
+  ["posts", "two posts"],
+  ["light", "a tissue\u2019s light"],
 ];
 
 /** Fields that are not for all files, and for which. @type {Record<string, What[]>} */
