@@ -8,7 +8,7 @@ pub const ROTATION_PERIOD: &str = "rotation_period";
 /// Speed of the mean place of the tip.
 pub const TIP_DRIFT: &str = "tip_drift";
 
-/// No wave of a heart is faster, um/ms (1 m/s): two tips farther apart are not the same.
+/// Waves in the muscle of a heart are slower, um/ms (1 m/s): two tips farther apart are not the same.
 const FASTEST: f64 = 1000.0;
 /// A path of a tip goes on after a gap of at most this time, ms: tips are not seen while two lines of equal potential lie on each other.
 const GAP_MS: f64 = 10.0;
@@ -38,23 +38,24 @@ const FEWEST_PERIODS: usize = 3;
 /// ```
 pub fn metrics(wave: &Wave, within_ms: [f64; 2]) -> Vec<Metric> {
     let is_within = |t_ms: f64| (within_ms[0]..within_ms[1]).contains(&t_ms);
-    let period = rotation_period(wave, is_within);
-    let tips = wave.tips.iter().copied().filter(|tip| is_within(tip.t_ms));
+    let path = longest_path(wave.tips.iter().copied().filter(|tip| is_within(tip.t_ms)));
+    // Waves that meet have tips for a moment, too: one that turns lasts for a turn.
+    let period = rotation_period(wave, is_within).filter(|period| lasted(&path) >= *period);
     let drift = period
         .ok_or(Missing::NotRecorded)
-        .and_then(|period| drift(&longest_path(tips), period).ok_or(Missing::Cut));
+        .and_then(|period| drift(&path, period).ok_or(Missing::Cut));
     vec![
         Metric::new(
             ROTATION_PERIOD,
             period.ok_or(Missing::NotRecorded),
             "ms",
-            "median, over the places of a tissue in which waves end, of the time from one activation to the next",
+            "median of all times from one activation of a place to the next, in a tissue where a wave turns about a tip",
         ),
         Metric::new(
             TIP_DRIFT,
             drift,
             "mm/s",
-            "speed of the mean place of the tip in each period, by a straight line",
+            "speed of the mean place of the tip in each period, by a straight line; it takes a tip that lasts for three periods",
         ),
     ]
 }
@@ -65,18 +66,20 @@ pub(super) fn of_turning(wave: &Wave, within_ms: [f64; 2]) -> Vec<Metric> {
     if metrics.iter().all(|metric| metric.value.is_none()) { Vec::new() } else { metrics }
 }
 
-/// The median time from one activation of a place to the next, ms; `None` where no place is activated twice, or no wave ends.
+/// The median time from one activation of a place to the next, ms; `None` where no place is activated twice.
 fn rotation_period(wave: &Wave, is_within: impl Fn(f64) -> bool) -> Option<f64> {
-    if !wave.tips.iter().any(|tip| is_within(tip.t_ms)) {
-        return None;
-    }
     let mut times = Vec::new();
     for beats in &wave.beats {
         let own = || beats.iter().map(|beat| beat.activated_ms).filter(|time| is_within(*time));
         times.extend(own().zip(own().skip(1)).map(|(one, next)| next - one));
     }
     times.sort_by(f64::total_cmp);
-    times.get(times.len() / 2).copied()
+    times.get(times.len() / 2).copied().filter(|period| *period > 0.0)
+}
+
+/// How long a tip was followed, ms.
+fn lasted(path: &[WaveTip]) -> f64 {
+    path.first().zip(path.last()).map_or(0.0, |(first, last)| last.t_ms - first.t_ms)
 }
 
 /// The path of the tip that was followed for the longest time.
@@ -98,7 +101,6 @@ fn longest_path(tips: impl Iterator<Item = WaveTip>) -> Vec<WaveTip> {
             None => paths.push(vec![tip]),
         }
     }
-    let lasted = |path: &Vec<WaveTip>| path[path.len() - 1].t_ms - path[0].t_ms;
     paths.into_iter().max_by(|one, other| lasted(one).total_cmp(&lasted(other))).unwrap_or_default()
 }
 
@@ -177,9 +179,12 @@ mod tests {
     }
 
     #[test]
-    fn a_wave_without_tips_does_not_turn_and_a_short_one_has_no_drift() {
-        let none = metrics(&wave(Vec::new()), [0.0, f64::INFINITY]);
-        assert!(none.iter().all(|metric| metric.value.is_none()));
+    fn waves_without_tips_or_that_meet_do_not_turn_and_a_short_turn_has_no_drift() {
+        let meeting = (0..10).map(|at| tip(2.0 * f64::from(at), 1e3, 1e3)).collect();
+        for tips in [Vec::new(), meeting] {
+            let none = metrics(&wave(tips), [0.0, f64::INFINITY]);
+            assert!(none.iter().all(|metric| metric.value.is_none()));
+        }
         let short = (0..50).map(|at| tip(2.0 * f64::from(at), 1e3, 1e3)).collect();
         let short = metrics(&wave(short), [0.0, f64::INFINITY]);
         assert_eq!(value(&short, ROTATION_PERIOD), Some(80.0));

@@ -154,7 +154,7 @@ impl Diffusion {
 
     /// What flows away from each node, 1/ms.
     fn away(&self, potential: &[f64], away: &mut [f64]) {
-        pulp::Arch::new().dispatch(Away { of: self, potential, away });
+        pulp::Arch::new().dispatch(Away { of: self, potential, rates: away });
     }
 
     fn crank_nicolson(&self, potential: &mut [f64], over_ms: f64, room: &mut Room) {
@@ -164,7 +164,11 @@ impl Diffusion {
         self.times(-half, potential, left);
         self.times(half, potential, product);
         left.iter_mut().zip(&*product).for_each(|(left, product)| *left -= product);
-        let scale = |node: usize| 1.0 / (self.areas[node] * (1.0 + half * self.diagonal[node]));
+        // A node without triangles keeps its potential.
+        let scale = |node: usize| {
+            let area = self.areas[node];
+            if area > 0.0 { 1.0 / (area * (1.0 + half * self.diagonal[node])) } else { 0.0 }
+        };
         next.clear();
         next.extend(left.iter().enumerate().map(|(node, left)| scale(node) * left));
         direction.clone_from(next);
@@ -173,8 +177,11 @@ impl Diffusion {
         let whole: f64 =
             potential.iter().zip(&self.areas).map(|(value, area)| area * value * value).sum();
         for _ in 0..ROUNDS {
-            if size.is_nan() || size <= LEFT * LEFT * whole {
+            if size <= LEFT * LEFT * whole {
                 return;
+            }
+            if size.is_nan() {
+                break;
             }
             self.times(half, direction, product);
             let step = size / product_of(direction, product);
@@ -191,13 +198,15 @@ impl Diffusion {
                 *way = next + size / was * *way;
             }
         }
+        // Whoever looks at the cells then finds that they are no numbers.
+        potential.fill(f64::NAN);
     }
 }
 
 /// Puts nodes one after the other of one pattern together; their flows.
 fn runs(partners: &[Vec<(usize, f64)>]) -> (Vec<Run>, Vec<f64>) {
     let offsets_of = |node: usize| -> Vec<isize> {
-        partners[node].iter().map(|&(other, _)| other as isize - node as isize).collect()
+        partners[node].iter().map(|&(other, _)| other.cast_signed() - node.cast_signed()).collect()
     };
     let (mut runs, mut flows): (Vec<Run>, Vec<f64>) = (Vec::new(), Vec::new());
     let mut first = 0;
@@ -220,7 +229,7 @@ fn runs(partners: &[Vec<(usize, f64)>]) -> (Vec<Run>, Vec<f64>) {
 struct Away<'a> {
     of: &'a Diffusion,
     potential: &'a [f64],
-    away: &'a mut [f64],
+    rates: &'a mut [f64],
 }
 
 impl pulp::WithSimd for Away<'_> {
@@ -229,9 +238,9 @@ impl pulp::WithSimd for Away<'_> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Self { of: Diffusion { runs, flows, diagonal, .. }, potential, away } = self;
+        let Self { of: Diffusion { runs, flows, diagonal, .. }, potential, rates } = self;
         for Run { nodes, offsets, flows: start } in runs {
-            let away = &mut away[nodes.clone()];
+            let away = &mut rates[nodes.clone()];
             let own = potential[nodes.clone()].iter().zip(&diagonal[nodes.clone()]);
             for (away, (own, diagonal)) in away.iter_mut().zip(own) {
                 *away = diagonal * own;

@@ -6,8 +6,8 @@
 //!
 //! Each node of the mesh has a cell. A step is split as `strang_1968` does: half a step of spreading, a step of every cell alone, half a
 //! step of spreading; it is of second order if the cell's own method is. The potential spreads over the shape at rest. Stretch may open
-//! channels ([`StretchCurrent`]), whose current flows while the potential spreads; it is that of the last shape of the mesh. A cell that
-//! feels stretch has the mean of its triangles, and its crossbridges follow it as those of a cell alone
+//! channels ([`StretchCurrent`]), whose current flows while the potential spreads; it is that of the last shape of the mesh, or foretold from
+//! the last ones for cells that feel stretch. Such a cell has the mean of its triangles, and its crossbridges follow it as those of a cell alone
 //! ([`super::crossbridges`]).
 
 use super::crossbridges::Crossbridges;
@@ -156,7 +156,7 @@ pub struct Tissue {
     scale: f64,
     tension: Vec<f64>,
     strongest: ActivationBounds,
-    step_ms: f64,
+    settings: SolverSettings,
     /// The state that spreads.
     place: usize,
     /// Nodes whose potential is an output, each with its name.
@@ -298,7 +298,7 @@ impl Tissue {
     /// Cells coupled by a conduction; `fibres` has a unit vector for each triangle.
     ///
     /// # Errors
-    /// A conduction below 0, lists of another length, a model whose potential is not one of its states or that feels stretch, a protocol
+    /// A conduction below 0, lists of another length, a model whose potential is not one of its states or that feels stretch by other ways than the crossbridges of `land_2017`, a protocol
     /// or settings that it cannot follow, and a method with other than fixed steps.
     pub fn new(
         mesh: &Mesh,
@@ -351,7 +351,7 @@ impl Tissue {
             scale,
             tension: vec![0.0; mesh.simplices.len()],
             strongest,
-            step_ms: settings.step_ms,
+            settings,
             place,
             probes: Vec::new(),
             stimulus_times_ms,
@@ -382,15 +382,24 @@ impl Tissue {
 
     /// The same with these stretches of the models in the tissue at rest, one per triangle; all other stretches are multiplied by them. Of
     /// cells that do not feel stretch nothing changes.
-    #[must_use]
-    pub fn at_resting_stretch(mut self, resting_stretch: &[f64]) -> Self {
+    ///
+    /// # Errors
+    /// A model that cannot beat at the largest of them.
+    ///
+    /// # Panics
+    /// If there is not one for each triangle.
+    pub fn at_resting_stretch(mut self, resting_stretch: &[f64]) -> Result<Self, SolveError> {
+        assert_eq!(resting_stretch.len(), self.corners.len(), "one stretch at rest per triangle");
         if let Some(pull) = &mut self.pull {
             pull.resting_stretch =
                 at_nodes(&self.corners, pull.resting_stretch.len(), resting_stretch);
             pull.stretch.clone_from(&pull.resting_stretch);
+            let longest = resting_stretch.iter().copied().fold(1.0, f64::max);
+            let Self { model, settings, scale, .. } = &self;
+            self.strongest = super::by_triangle::strongest(model, *settings, *scale, longest)?;
             self.find_tension();
         }
-        self
+        Ok(self)
     }
 
     /// Advances to a time (ms) and keeps it, for a tissue that is not part of a simulation.
@@ -460,8 +469,9 @@ impl Tissue {
     /// Where the step from a time ends, ms: steps end where those of the cells do, on the grid of fixed steps, and at `to_ms`. `None` at
     /// the end.
     fn step_end(&self, from_ms: f64, to_ms: f64) -> Option<f64> {
-        let same = SAME * self.step_ms;
-        let grid_ms = (((from_ms + same) / self.step_ms).floor() + 1.0) * self.step_ms;
+        let same = SAME * self.settings.step_ms;
+        let grid_ms =
+            (((from_ms + same) / self.settings.step_ms).floor() + 1.0) * self.settings.step_ms;
         let end_ms = if grid_ms > to_ms - same { to_ms } else { grid_ms };
         (to_ms - from_ms > same).then_some(end_ms)
     }

@@ -118,8 +118,10 @@ where
     /// In equilibrium under the tension before the run begins, that of the unstretched cell.
     fn start(setup: &'a Setup<D, N>, tolerance: Tolerance) -> Result<Self, StopReason> {
         let Assembly { system, body, .. } = &*setup.assembly;
-        let broken_off =
-            |error: PathError| StopReason::BrokenOff { time: 0.0, cause: error.to_string() };
+        let broken_off = |error: PathError| match error {
+            PathError::Interrupted => StopReason::Interrupted { time: 0.0 },
+            error => StopReason::BrokenOff { time: 0.0, cause: error.to_string() },
+        };
         let equilibrium =
             Equilibrium::new_interruptible(system, body, tolerance, &setup.simulation.interruption);
         let equilibrium = equilibrium.map_err(broken_off)?;
@@ -130,6 +132,40 @@ where
         shaping.follow(0.0, [tension.tension(); 2])?;
         shaping.state.active_work = 0.0;
         Ok(shaping)
+    }
+}
+
+impl<const D: usize, const N: usize> FromRestToRest<'_, D, N>
+where
+    Simulation: Space<D, N>,
+{
+    /// Sound positions at rest near a guess, and the tension there.
+    fn at_rest_near(
+        &mut self,
+        guess: &Vectors<D>,
+        time: f64,
+        tension: Tension<'_>,
+    ) -> Result<(Vectors<D>, Held), StopReason> {
+        let Setup { simulation, fibre_stretch, volumes, .. } = self.setup;
+        let positions = self.equilibrium.find(guess, tension).map_err(|cause| match cause {
+            PathError::Interrupted => StopReason::Interrupted { time },
+            cause => {
+                let tension = Held::of(tension).average(volumes);
+                StopReason::NoEquilibrium { time, tension, cause: cause.to_string() }
+            }
+        })?;
+        let tension = match (tension, fibre_stretch) {
+            (Tension::Following(law), Some(meter)) => {
+                let stretch = meter.stretches(&positions);
+                Held::PerElement((0..stretch.len()).map(|e| law.at(e, stretch[e], 0.0)).collect())
+            }
+            (tension, _) => Held::of(tension),
+        };
+        let average = tension.average(volumes);
+        match fault(simulation.body_mesh(), &positions, time, average) {
+            Some(reason) => Err(reason),
+            None => Ok((positions, tension)),
+        }
     }
 }
 
@@ -157,32 +193,18 @@ where
     }
 
     fn follow(&mut self, time: f64, tensions: [Tension<'_>; 2]) -> Result<(), StopReason> {
-        let Setup { simulation, assembly, fibre_stretch, volumes, .. } = self.setup;
+        let Setup { assembly, .. } = self.setup;
         self.solved += 1;
-        let (foretold, last) = (self.state.foretold(), &self.state.body.positions);
-        let positions = match self.equilibrium.find(&foretold, tensions[1]) {
-            Ok(positions) => Ok(positions),
-            Err(PathError::Interrupted) => Err(PathError::Interrupted),
-            Err(_) => self.equilibrium.find(last, tensions[1]),
-        };
-        let positions = positions.map_err(|cause| match cause {
-            PathError::Interrupted => StopReason::Interrupted { time },
-            cause => {
-                let tension = Held::of(tensions[1]).average(volumes);
-                StopReason::NoEquilibrium { time, tension, cause: cause.to_string() }
+        let foretold = self.state.foretold();
+        let (positions, tension) = match self.at_rest_near(&foretold, time, tensions[1]) {
+            Err(StopReason::Interrupted { time }) => return Err(StopReason::Interrupted { time }),
+            // What was foretold may lead astray.
+            Err(_) => {
+                let last = self.state.body.positions.clone();
+                self.at_rest_near(&last, time, tensions[1])?
             }
-        })?;
-        let tension = match (tensions[1], fibre_stretch) {
-            (Tension::Following(law), Some(meter)) => {
-                let stretch = meter.stretches(&positions);
-                Held::PerElement((0..stretch.len()).map(|e| law.at(e, stretch[e], 0.0)).collect())
-            }
-            (tension, _) => Held::of(tension),
+            Ok(found) => found,
         };
-        let average = tension.average(volumes);
-        if let Some(reason) = fault(simulation.body_mesh(), &positions, time, average) {
-            return Err(reason);
-        }
         let State { body, past, tension: before, active_work } = &mut self.state;
         let mean = before.mean(&tension);
         // W = -int grad E(x; Ta) dx
@@ -190,8 +212,13 @@ where
             |body: &Body<D>| assembly.system.active_energy(&body.configuration(mean.tension()));
         *active_work += energy(body);
         let last = std::mem::replace(&mut body.positions, positions);
-        past.rotate_right(1);
-        past[0] = last;
+        // Before the run begins nothing has moved.
+        if time > 0.0 {
+            past.rotate_right(1);
+            past[0] = last;
+        } else {
+            *past = [body.positions.clone(), body.positions.clone()];
+        }
         *active_work -= energy(body);
         *before = tension;
         Ok(())

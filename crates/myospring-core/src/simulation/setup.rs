@@ -173,11 +173,11 @@ impl Simulation {
             settings: self.numerics.cell,
             scale,
         };
+        let refused =
+            |cause: String| SetupError::CellModel { model: self.cell.name().to_owned(), cause };
+        let failed = |error: SolveError| refused(error.to_string());
         let tissue = Tissue::new(mesh, fibres, &coupling.conduction, cells);
-        let tissue = tissue.map_err(|error| SetupError::CellModel {
-            model: self.cell.name().to_owned(),
-            cause: error.to_string(),
-        })?;
+        let tissue = tissue.map_err(|error| refused(error.to_string()))?;
         let middle = [0, 1].map(|axis: usize| {
             let points = &mesh.points[axis];
             points.iter().sum::<f64>() / points.len() as f64
@@ -201,7 +201,7 @@ impl Simulation {
         let probes = probes.map(|(name, place)| (name, nearest(place))).to_vec();
         let tissue = tissue.with_outputs(probes, self.protocol.s2_ms());
         let tissue = match &self.resting_stretch {
-            Some(stretch) => tissue.at_resting_stretch(stretch),
+            Some(stretch) => tissue.at_resting_stretch(stretch).map_err(failed)?,
             None => tissue,
         };
         Ok(match coupling.stretch_current {

@@ -69,6 +69,10 @@ impl Experiment for MapWaves {
             ExperimentError::new(format!("`{}`: {error}", self.film.display()))
         };
         self.beats.check()?;
+        if let Some(size) = self.pixel_size_um.filter(|size| !(size.is_finite() && *size > 0.0)) {
+            return Err(failed(&format!("the side of a pixel is {size} um; it must be above 0"))
+                .advise("give it like --pixel-size \"100 um\""));
+        }
         let film = open_film(&self.film, &Selection::default(), FEWEST_FRAMES, files)?;
         let frames_per_second = frame_rate(self.frame_rate, &film).map_err(|message| {
             failed(&message).advise("give it like --frame-rate 500, as the camera was set")

@@ -453,7 +453,7 @@ fn longer_sarcomeres_pull_harder_in_a_tissue_too() {
         let triangles = mesh.simplices.len();
         let fibres = vec![[1.0, 0.0]; triangles];
         let tissue = Tissue::new(&mesh, &fibres, &Conduction::even(HUMAN), cells).unwrap();
-        let mut tissue = tissue.at_resting_stretch(&vec![stretch; triangles]);
+        let mut tissue = tissue.at_resting_stretch(&vec![stretch; triangles]).unwrap();
         tissue.reach(60.0).unwrap();
         tissue.tension().at(0)
     };

@@ -53,11 +53,13 @@ const EXACT: f64 = 1e-10;
 const NEARLY: f64 = 1e-3;
 
 /// Corrections with one factor: each is at most this part of the one before, there are at most so many, and after so few the factor serves
-/// the next equilibrium, too. They end when what is left is this part of the tolerance, since what is coupled compares equilibria.
+/// the next equilibrium, too. They end when what is left is this part of the tolerance, since what is coupled compares equilibria. A factor
+/// serves so many equilibria at most, since it is what shows that they are stable.
 const FALLS: f64 = 0.3;
 const MOST_USES: usize = 20;
 const FEW_USES: usize = 8;
 const LEFT: f64 = 1e-4;
+const MOST_SERVED: usize = 10;
 
 /// Largest number of rounds of removing the rotation with three axes; a few are enough.
 const TURNS: usize = 50;
@@ -85,6 +87,8 @@ pub(super) struct Solver<'a, const D: usize = 2> {
     is_factor: bool,
     /// Whether there is a factor, and the last equilibrium took few uses of it.
     serves: bool,
+    /// Equilibria that it has served.
+    served: usize,
     /// Matrices factorised so far.
     pub(super) factorisations: usize,
     /// Checked within each factorisation.
@@ -120,6 +124,7 @@ impl<'a, const D: usize> Solver<'a, D> {
             stiffness: StiffnessMatrix::new(count),
             is_factor: false,
             serves: false,
+            served: 0,
             factorisations: 0,
             interruption: interruption.clone(),
         }
@@ -196,7 +201,7 @@ impl<'a, const D: usize> Solver<'a, D> {
     fn renew(&mut self) -> Result<(), Failure> {
         self.factorisations += 1;
         self.is_factor = true;
-        self.serves = false;
+        (self.serves, self.served) = (false, 0);
         Ok(self.factor.factorise(&self.stiffness, &self.interruption)?)
     }
 
@@ -276,7 +281,7 @@ impl<'a, const D: usize> Solver<'a, D> {
     /// tension changes the stiffness little. `None` if they do not fall fast enough.
     ///
     /// That they fall shows that the stiffness is positive definite in the directions in which the body was off: each is multiplied by
-    /// one minus a ratio of stiffnesses.
+    /// one minus a ratio of stiffnesses. In all directions a new factor shows it, at the latest after ten equilibria.
     fn settle_nearby(
         &mut self,
         guess: &Vectors<D>,
@@ -286,7 +291,7 @@ impl<'a, const D: usize> Solver<'a, D> {
         if self.system.compliance().is_some() {
             return Ok(None);
         }
-        if !self.serves {
+        if !self.serves || self.served >= MOST_SERVED {
             self.assemble(guess, tension);
             match self.renew() {
                 Err(Failure::Indefinite) => return Ok(None),
@@ -294,6 +299,7 @@ impl<'a, const D: usize> Solver<'a, D> {
             }
         }
         self.is_factor = false;
+        self.served += 1;
         let mut positions = guess.clone();
         let mut corrections: Vec<f64> = Vec::new();
         while corrections.len() < MOST_USES {

@@ -67,7 +67,8 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
         Ok(Self { solver, tolerance, newton_iterations: 0 })
     }
 
-    /// Positions at rest near a guess, um.
+    /// Positions at rest near a guess, um. That they are stable is shown at least at each tenth, by a factor of the stiffness; at the others by
+    /// corrections that fall.
     ///
     /// # Errors
     /// [`PathError::Unstable`], [`PathError::Lost`] or [`PathError::TooLarge`] if there is none near it;
