@@ -16,7 +16,7 @@ Kills the program (SIGKILL) at random moments of runs, films, fits, batches and 
 with the results of a program that nobody disturbed, byte by byte. Starts two at once on one folder. Then it takes memory, descriptors
 and disk space away.
 
-  --quick           Each work is killed three times (one to two minutes)
+  --quick           Each work is killed three times (two to three minutes)
   --for MINUTES     Goes on so long; 10 unless stated
   --seed NUMBER     Of the random moments; the time unless stated
   --program PATH    The program; that which tests build unless stated
@@ -198,8 +198,8 @@ impl Place<'_> {
     }
 }
 
-/// Runs a command to its end; what it wrote to its error output, and whether it succeeded.
-fn ended(mut command: Command) -> Result<(bool, String), String> {
+/// Runs a command to its end; its exit code, unless a signal ended it, and what it wrote to its error output.
+fn ended(mut command: Command) -> Result<(Option<i32>, String), String> {
     let child = command.spawn().map_err(|error| format!("{command:?}: {error}"))?;
     let end = Instant::now() + PATIENCE;
     let mut child = child;
@@ -211,7 +211,7 @@ fn ended(mut command: Command) -> Result<(bool, String), String> {
         std::thread::sleep(Duration::from_millis(5));
     }
     let output = child.wait_with_output().map_err(|error| format!("{command:?}: {error}"))?;
-    Ok((output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned()))
+    Ok((output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned()))
 }
 
 /// Pictures and a study.
@@ -249,19 +249,19 @@ impl<'a> Trial<'a> {
         let start = Instant::now();
         for number in 1..=2 {
             let output = format!("{}_undisturbed_{number}", work.name);
-            let (succeeded, error) = ended(place.command(work, &output, false))?;
-            if !succeeded {
+            let (code, error) = ended(place.command(work, &output, false))?;
+            if code != Some(0) {
                 return Err(format!("{}, undisturbed, failed: {error}", work.name));
             }
             made.push(Results::of(&place.folder.join(&output))?);
         }
         let takes = start.elapsed() / 2;
         let second = made.pop().unwrap_or_default();
-        let undisturbed = made.pop().unwrap_or_default().common_with(&second);
+        let undisturbed = made.pop().unwrap_or_default().alike_in(&second);
         say(&format!(
             "{}: {} files the same each time, {:.1} s\n",
             work.name,
-            undisturbed.len(),
+            undisturbed.compared(),
             takes.as_secs_f64()
         ));
         let (killed, early, late, faults) = (0, 0, 0, Vec::new());
@@ -287,9 +287,9 @@ impl<'a> Trial<'a> {
             self.late += 1;
             self.compare(&target, &format!("{moment}: its folder"))?;
         }
-        let (succeeded, error) =
+        let (code, error) =
             ended(place.command(self.work, &output, is_there && !self.work.resumes))?;
-        if succeeded {
+        if code == Some(0) {
             self.compare(&target, &format!("{moment}, made again"))?;
         } else {
             self.faults.push(format!("{moment}, made again: failed: {error}"));
@@ -306,7 +306,7 @@ impl<'a> Trial<'a> {
             (ended(place.command(self.work, &output, false)), other.join())
         });
         let (one, other) = (one?, other.map_err(|_| format!("{moment}: a thread ended"))??);
-        if !one.0 && !other.0 {
+        if one.0 != Some(0) && other.0 != Some(0) {
             self.faults.push(format!("{moment}: both failed: {} {}", one.1, other.1));
         }
         for (_, error) in [&one, &other] {
@@ -335,7 +335,8 @@ impl<'a> Trial<'a> {
             if !name.contains(output) {
                 continue;
             }
-            if !name.starts_with(output) {
+            let after = name.strip_prefix(output).unwrap_or("?");
+            if !after.trim_start_matches('_').chars().all(|c| c.is_ascii_digit()) {
                 self.faults.push(format!("{moment}: `{name}` is left behind"));
             }
             let is_folder = entry.file_type().map_err(failed)?.is_dir();

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Contents by their paths.
+/// Contents by their paths; `None` where two undisturbed programs wrote other ones, such as times.
 #[derive(Default, PartialEq)]
-pub(super) struct Results(BTreeMap<String, Vec<u8>>);
+pub(super) struct Results(BTreeMap<String, Option<Vec<u8>>>);
 
 impl Results {
     /// Of a folder and those in it; empty where there is none.
@@ -14,29 +14,40 @@ impl Results {
         if folder.exists() {
             read(folder, "", &mut all).map_err(|error| format!("{}: {error}", folder.display()))?;
         }
-        Ok(Self(all))
+        Ok(Self(all.into_iter().map(|(name, content)| (name, Some(content))).collect()))
     }
 
-    pub(super) fn len(&self) -> usize {
-        self.0.len()
+    /// How many files have contents that are compared.
+    pub(super) fn compared(&self) -> usize {
+        self.0.values().flatten().count()
     }
 
-    /// The files that are the same in both.
-    pub(super) fn common_with(mut self, other: &Self) -> Self {
-        self.0.retain(|name, content| other.0.get(name) == Some(content));
+    /// These files, with the contents that are the same in both.
+    pub(super) fn alike_in(mut self, other: &Self) -> Self {
+        for (name, content) in &mut self.0 {
+            if other.0.get(name) != Some(content) {
+                *content = None;
+            }
+        }
         self
     }
 
-    /// Which of these files are missing or other there.
+    /// Which of these files are missing or other there, and which are there besides.
     pub(super) fn differences(&self, there: &Self) -> Vec<String> {
         let missing = self.0.keys().filter(|name| !there.0.contains_key(*name));
-        missing.map(|name| format!("`{name}` is missing")).chain(self.others(there)).collect()
+        let more = there.0.keys().filter(|name| !self.0.contains_key(*name));
+        missing
+            .map(|name| format!("`{name}` is missing"))
+            .chain(more.map(|name| format!("`{name}` is left behind")))
+            .chain(self.others(there))
+            .collect()
     }
 
     /// Which of these files are other there.
     pub(super) fn others(&self, there: &Self) -> Vec<String> {
-        let is_other = |(name, content): &(&String, &Vec<u8>)| {
-            there.0.get(*name).is_some_and(|other| !same(name, content, other))
+        let is_other = |(name, content): &(&String, &Option<Vec<u8>>)| {
+            let both = content.as_ref().zip(there.0.get(*name).and_then(Option::as_ref));
+            both.is_some_and(|(content, other)| !same(name, content, other))
         };
         let others = self.0.iter().filter(is_other);
         others.map(|(name, _)| format!("`{name}` has other bytes")).collect()
