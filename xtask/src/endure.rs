@@ -2,12 +2,12 @@
 
 mod faults;
 mod results;
+mod trial;
 
 use crate::tools::{cargo, program, root, say, step, temporary};
-use results::Results;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+use trial::{Place, Random, Trial, Work};
 
 const HELP: &str = "\
 Usage: cargo xtask endure [--quick | --for MINUTES] [--seed NUMBER] [--program PATH]
@@ -21,15 +21,6 @@ and disk space away.
   --seed NUMBER     Of the random moments; the time unless stated
   --program PATH    The program; that which tests build unless stated
 ";
-
-/// A work of the program that is ended early.
-struct Work {
-    name: &'static str,
-    /// What it writes besides the folder of results is not looked at.
-    arguments: &'static [&'static str],
-    /// Whether the same command goes on with what an ended one has left; others begin anew, with `--force` where the folder is whole.
-    resumes: bool,
-}
 
 /// A study, small enough to be made again and again.
 const STUDY: &str = "study.toml";
@@ -76,8 +67,6 @@ const WORKS: [Work; 6] = [
     Work { name: "study", arguments: &["study", "run", STUDY], resumes: true },
 ];
 
-/// Longest time that any of these takes, undisturbed or not.
-const PATIENCE: Duration = Duration::from_mins(5);
 /// Kills of each work in a round.
 const KILLS: usize = 3;
 
@@ -94,7 +83,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
     let folder = temporary()?;
     prepare(folder.path())?;
     let place = Place { program: path, folder: folder.path() };
-    let mut random = Random(options.seed | 1);
+    let mut random = Random::of(options.seed);
     say(&format!("\nseed {}\n\n", options.seed));
     let mut trials: Vec<Trial> =
         WORKS.iter().map(|work| Trial::undisturbed(work, &place)).collect::<Result<_, String>>()?;
@@ -167,53 +156,6 @@ impl Options {
     }
 }
 
-/// Random numbers (xorshift): enough for moments.
-struct Random(u64);
-
-impl Random {
-    /// From 0 to below 1.
-    fn part(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
-/// The program, and the folder in which it is started.
-struct Place<'a> {
-    program: PathBuf,
-    folder: &'a Path,
-}
-
-impl Place<'_> {
-    /// A command of a work whose results go to a folder here.
-    fn command(&self, work: &Work, output: &str, force: bool) -> Command {
-        let mut command = Command::new(&self.program);
-        let examples = root().join("examples").to_string_lossy().into_owned();
-        command.args(work.arguments.iter().map(|argument| argument.replace("EXAMPLES", &examples)));
-        command.args(["--output", output, "--quiet"]).args(force.then_some("--force"));
-        command.current_dir(self.folder).stdout(Stdio::null()).stderr(Stdio::piped());
-        command
-    }
-}
-
-/// Runs a command to its end; its exit code, unless a signal ended it, and what it wrote to its error output.
-fn ended(mut command: Command) -> Result<(Option<i32>, String), String> {
-    let child = command.spawn().map_err(|error| format!("{command:?}: {error}"))?;
-    let end = Instant::now() + PATIENCE;
-    let mut child = child;
-    while child.try_wait().map_err(|error| format!("{command:?}: {error}"))?.is_none() {
-        if Instant::now() > end {
-            child.kill().ok();
-            return Err(format!("{command:?} did not end within {} s", PATIENCE.as_secs()));
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    let output = child.wait_with_output().map_err(|error| format!("{command:?}: {error}"))?;
-    Ok((output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned()))
-}
-
 /// Pictures and a study.
 fn prepare(folder: &Path) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
@@ -228,131 +170,4 @@ fn prepare(folder: &Path) -> Result<(), String> {
                  tau_w_plus = { distribution = \"lognormal\", median = 1, log_standard_deviation = 0.1, relative = true }\n\
                  [sampling]\nsampler = \"latin-hypercube\"\nsize = 3000\n";
     std::fs::write(folder.join(STUDY), study).map_err(failed)
-}
-
-/// A work, what it leaves undisturbed, and how it fared.
-struct Trial<'a> {
-    work: &'a Work,
-    takes: Duration,
-    undisturbed: Results,
-    killed: usize,
-    /// Kills after which there was nothing, and after which all was there.
-    early: usize,
-    late: usize,
-    faults: Vec<String>,
-}
-
-impl<'a> Trial<'a> {
-    /// Makes the work twice; files in which both differ, such as times, are not compared.
-    fn undisturbed(work: &'a Work, place: &Place<'_>) -> Result<Self, String> {
-        let mut made = Vec::new();
-        let start = Instant::now();
-        for number in 1..=2 {
-            let output = format!("{}_undisturbed_{number}", work.name);
-            let (code, error) = ended(place.command(work, &output, false))?;
-            if code != Some(0) {
-                return Err(format!("{}, undisturbed, failed: {error}", work.name));
-            }
-            made.push(Results::of(&place.folder.join(&output))?);
-        }
-        let takes = start.elapsed() / 2;
-        let second = made.pop().unwrap_or_default();
-        let undisturbed = made.pop().unwrap_or_default().alike_in(&second);
-        say(&format!(
-            "{}: {} files the same each time, {:.1} s\n",
-            work.name,
-            undisturbed.compared(),
-            takes.as_secs_f64()
-        ));
-        let (killed, early, late, faults) = (0, 0, 0, Vec::new());
-        Ok(Self { work, takes, undisturbed, killed, early, late, faults })
-    }
-
-    /// Kills the work at a random moment, and makes it again.
-    fn kill(&mut self, place: &Place<'_>, random: &mut Random) -> Result<(), String> {
-        const PAST_ITS_END: f64 = 1.1;
-        let output = format!("{}_killed", self.work.name);
-        let target = place.folder.join(&output);
-        let after = self.takes.mul_f64(PAST_ITS_END * random.part());
-        let mut command = place.command(self.work, &output, false);
-        let child = command.spawn().map_err(|error| format!("{command:?}: {error}"))?;
-        std::thread::sleep(after);
-        kill(child)?;
-        self.killed += 1;
-        let moment = format!("{}, killed after {:.3} s", self.work.name, after.as_secs_f64());
-        let is_there = target.exists();
-        if !is_there {
-            self.early += 1;
-        } else if !self.work.resumes {
-            self.late += 1;
-            self.compare(&target, &format!("{moment}: its folder"))?;
-        }
-        let (code, error) =
-            ended(place.command(self.work, &output, is_there && !self.work.resumes))?;
-        if code == Some(0) {
-            self.compare(&target, &format!("{moment}, made again"))?;
-        } else {
-            self.faults.push(format!("{moment}, made again: failed: {error}"));
-        }
-        self.clear(place.folder, &output, &moment)
-    }
-
-    /// Starts the work twice on one folder: the results are those of one, and at least one says that it succeeded.
-    fn two_at_once(&mut self, place: &Place<'_>) -> Result<(), String> {
-        let output = format!("{}_twice", self.work.name);
-        let moment = format!("{}, two at once", self.work.name);
-        let (one, other) = std::thread::scope(|scope| {
-            let other = scope.spawn(|| ended(place.command(self.work, &output, false)));
-            (ended(place.command(self.work, &output, false)), other.join())
-        });
-        let (one, other) = (one?, other.map_err(|_| format!("{moment}: a thread ended"))??);
-        if one.0 != Some(0) && other.0 != Some(0) {
-            self.faults.push(format!("{moment}: both failed: {} {}", one.1, other.1));
-        }
-        for (_, error) in [&one, &other] {
-            if error.contains("panicked") {
-                self.faults.push(format!("{moment}: {error}"));
-            }
-        }
-        self.compare(&place.folder.join(&output), &moment)?;
-        self.clear(place.folder, &output, &moment)
-    }
-
-    fn compare(&mut self, folder: &Path, what: &str) -> Result<(), String> {
-        let found = Results::of(folder)?;
-        let differences = self.undisturbed.differences(&found);
-        self.faults
-            .extend(differences.into_iter().map(|difference| format!("{what}: {difference}")));
-        Ok(())
-    }
-
-    /// Deletes results; what lies beside them then is a fault, but for other results of the same name with a number.
-    fn clear(&mut self, folder: &Path, output: &str, moment: &str) -> Result<(), String> {
-        let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
-        for entry in std::fs::read_dir(folder).map_err(failed)? {
-            let entry = entry.map_err(failed)?;
-            let name = entry.file_name().to_string_lossy().into_owned();
-            if !name.contains(output) {
-                continue;
-            }
-            let after = name.strip_prefix(output).unwrap_or("?");
-            if !after.trim_start_matches('_').chars().all(|c| c.is_ascii_digit()) {
-                self.faults.push(format!("{moment}: `{name}` is left behind"));
-            }
-            let is_folder = entry.file_type().map_err(failed)?.is_dir();
-            if is_folder {
-                std::fs::remove_dir_all(entry.path()).map_err(failed)?;
-            } else {
-                std::fs::remove_file(entry.path()).map_err(failed)?;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Ends a program at once.
-fn kill(mut child: Child) -> Result<(), String> {
-    // One that has ended is no fault.
-    child.kill().ok();
-    child.wait().map(|_| ()).map_err(|error| error.to_string())
 }

@@ -1,7 +1,7 @@
 //! What the program needs, taken away: it must say so, and what it leaves must be whole files.
 
 use super::results::Results;
-use super::{Place, Trial, Work, ended};
+use super::trial::{Place, Trial, Work, ended};
 use crate::tools::say;
 use std::path::Path;
 use std::process::{Command, Stdio};
