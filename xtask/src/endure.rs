@@ -1,4 +1,4 @@
-//! `cargo xtask endure`: ends the program at random moments and takes from it what it needs, and looks at what is left.
+//! `cargo xtask endure`: kills the program at random moments, takes memory and disk space away, and compares the results.
 
 mod faults;
 mod results;

@@ -26,7 +26,7 @@ Commands:
                `--quick` leaves out what is slow
   verify       Compare with closed forms, LAMMPS and Myokit; `cargo xtask verify --help` says more
   bench        Measure speed, beside other programs if asked; `cargo xtask bench --help` says more
-  endure       End the program at random moments, take from it what it needs, and look at what is left;
+  endure       Kill the program at random moments, take memory and disk space away, and compare the results;
                `cargo xtask endure --help` says more
   web          Build the page: one HTML file with the engine inside, target/web/myospring.html
   site         Build the page, the documentation with a search, and the API as a web site, target/site

@@ -19,6 +19,7 @@ mod cell_course;
 mod coupling;
 mod crossbridges;
 mod diffusion;
+mod felt;
 mod local_beats;
 mod members;
 mod tips;

@@ -52,14 +52,16 @@ const EXACT: f64 = 1e-10;
 /// The same with a stiffness near one whose factor is known, for a correction: Newton's method leaves more of it.
 const NEARLY: f64 = 1e-3;
 
-/// Corrections with one factor: each is at most this part of the one before, there are at most so many, and after so few the factor serves
-/// the next equilibrium, too. They end when what is left is this part of the tolerance, since what is coupled compares equilibria. A factor
-/// serves so many equilibria at most, since it is what shows that they are stable.
+/// A correction with an old factor is at most this part of the one before; otherwise the factor is too far from the stiffness.
 const FALLS: f64 = 0.3;
+/// Most corrections with an old factor.
 const MOST_USES: usize = 20;
+/// After at most so many the factor serves the next equilibrium, too.
 const FEW_USES: usize = 8;
-const LEFT: f64 = 1e-4;
+/// Most equilibria that a factor serves: a new one shows that they are stable.
 const MOST_SERVED: usize = 10;
+/// Part of the tolerance that these corrections may leave: the coupling compares equilibria with each other.
+const LEFT: f64 = 1e-4;
 
 /// Largest number of rounds of removing the rotation with three axes; a few are enough.
 const TURNS: usize = 50;
