@@ -41,6 +41,7 @@ use clap::Parser;
 pub use exit::ExitCode;
 use failure::Failure;
 use kinds::{Kind, refusal};
+use myospring::experiment::optical::MapWaves;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
@@ -91,12 +92,14 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Failure> {
             refusal("batch", &args.folder, &[Kind::Pictures])
                 .map_or_else(|| batch::batch(args), Err)
         }
-        Some(Command::Analyse(args)) => with(
-            "analyse",
-            &args.inputs,
-            &[Kind::Curves, Kind::Tables, Kind::Results],
-            analyse::analyse(args),
-        ),
+        Some(Command::Analyse(args)) => match &args.inputs[..] {
+            // It takes films of light: their failures are their own.
+            [film] if MapWaves::takes(film) => analyse::analyse(args),
+            inputs => {
+                let takes = [Kind::Curves, Kind::Tables, Kind::Results];
+                with("analyse", inputs, &takes, analyse::analyse(args))
+            }
+        },
         Some(Command::Traction(args)) => traction::traction(args),
         Some(Command::Fit(args)) => {
             let takes = [Kind::Curves, Kind::Tables, Kind::Film, Kind::Picture, Kind::Pictures];

@@ -224,7 +224,8 @@ const CASES: &[(&[&str], &[&str])] = &[
     (&["track", "beat.csv"], &["a table of measured curves", "analyse beat.csv"]),
     (&["batch", "beat.csv"], &["a table of measured curves", "analyse beat.csv"]),
     (&["run", "film.avi"], &["`film.avi` is a film", "`myospring track film.avi`"]),
-    (&["analyse", "film.avi"], &["`film.avi` is a film", "`myospring track film.avi`"]),
+    (&["analyse", "film.avi"], &["`film.avi`: the AVI film cannot be read", "complete?"]),
+    (&["analyse", "film.avi", "--pixel-size", "0 um"], &["--pixel-size is 0 um", "above 0"]),
     (&["segment", "film.avi"], &["is a film", "`myospring track film.avi`"]),
     (&["mesh", "film.avi"], &["is a film", "`myospring track film.avi`"]),
     (&["compare", "film.avi", "a"], &["is a film", "`myospring track film.avi`"]),
@@ -236,7 +237,7 @@ const CASES: &[(&[&str], &[&str])] = &[
     (&["study", "run", "nan.toml"], &["is a run file", "`myospring run nan.toml`"]),
     (&["run", "drug.toml"], &["a file of doses", "--doses drug.toml"]),
     (&["run", "frames"], &["a folder of pictures", "batch frames", "track frames"]),
-    (&["analyse", "frames"], &["a folder of pictures", "batch frames"]),
+    (&["analyse", "frames"], &["`1.png`", "not a picture", "PNG or TIFF"]),
     (&["run", "beaten"], &["the results of a run", "`myospring run beaten/run.toml`"]),
     (&["run", "my", "cell.png"], &["needs quotes", "write \"my cell.png\""]),
     (
