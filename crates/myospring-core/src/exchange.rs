@@ -203,7 +203,7 @@ pub trait Activation: Send + Sync {
     }
 
     /// Returns the beats at each node of the mesh, in order of time; `None`, at all times, if the cells do not stimulate each other.
-    fn local_beats(&self) -> Option<&[Vec<LocalBeat>]> {
+    fn local_beats(&self) -> Option<Vec<Vec<LocalBeat>>> {
         None
     }
 

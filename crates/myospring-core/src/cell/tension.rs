@@ -108,11 +108,12 @@ impl Tension {
         reason = "a call in a vectorised loop would lose the vector units"
     )]
     pub fn rates(&self, u: f64, ta_i: f64, ta: f64) -> [f64; 2] {
-        let Self { c_0, x_1, x_2, x_3, sigma, .. } = *self;
-        let v = self.normalised_potential(u);
+        let Self { c_0, x_1, x_2, x_3, sigma, u_rest, u_peak } = *self;
+        // Quotients of constants are apart from what changes, so that many cells make them but once.
+        let v = (u - u_rest) * (1.0 / (u_peak - u_rest));
         // (34) k(V) = exp(-((V - 1) / sigma)^2 / 2) / (sigma sqrt(2 pi))
-        let z = (v - 1.0) / sigma;
-        let k = exponential::exp(-0.5 * z * z) / (sigma * (2.0 * PI).sqrt());
+        let z = (v - 1.0) * (1.0 / sigma);
+        let k = exponential::exp(-0.5 * z * z) * (1.0 / (sigma * (2.0 * PI).sqrt()));
         // (35) epsilon_1 = x_1 if V > x_2 and Ta_i < x_3, else c_0
         let epsilon_1 = if v > x_2 && ta_i < x_3 { x_1 } else { c_0 };
         // (32) d(Ta_i)/dt = c_0 (k(V) - Ta_i)

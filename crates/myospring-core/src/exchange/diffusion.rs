@@ -6,7 +6,7 @@
 //!
 //! Linear finite elements on the triangles at rest, with the area of each node in its own row. On a square lattice with both diagonals
 //! and an even `D` that is the stencil of five points. Short steps, of less than the time constant of the fastest mode, are the first terms
-//! of the series of the exponential function, whose remainder is smaller than the error of Crank and Nicolson's step. Longer ones are theirs
+//! of the series of the exponential function, which are of second order, too. Longer ones are Crank and Nicolson's
 //! (`crank_nicolson_1947`), of second order and stable at any length; the equations are solved by conjugate gradients (`hestenes_1952`) from
 //! the potential before.
 
@@ -17,11 +17,11 @@ use std::ops::Range;
 /// Rounds at most, and the part of the rest that ends them.
 const ROUNDS: usize = 1000;
 const LEFT: f64 = 1e-12;
-/// Steps of less than this part of the fastest time constant are short; terms of their series: the next is below 1/4! of the fastest mode,
-/// of which a step of Crank and Nicolson is off by twice that.
+/// Steps of less than this part of the fastest time constant are short. Of their series as many terms are taken, two at least, that the next
+/// is below `LAST` of the fastest mode, of which a step of Crank and Nicolson as long as that time constant is off by twice that.
 const SHORT: f64 = 1.0;
-const TERMS: usize = 3;
-/// A sum that is smaller relative to its terms is rounding.
+const LAST: f64 = 1.0 / 24.0;
+/// A difference that is smaller relative to the terms is rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// How a tissue conducts, um^2/ms; both 0 leave its cells alone.
@@ -52,7 +52,8 @@ pub(super) struct Diffusion {
     areas: Vec<f64>,
     /// Nodes one after the other whose partners are as far from each in their numbers, so that a register holds several of them.
     runs: Vec<Run>,
-    /// What flows from a node to its partner for each unit of difference, 1/ms: run by run, partner by partner, node by node.
+    /// What flows from a node to its partner for each unit of difference, 1/ms: run by run, partner by partner, and node by node where
+    /// nodes differ.
     flows: Vec<f64>,
     /// The sum over the partners of each node, 1/ms.
     diagonal: Vec<f64>,
@@ -68,6 +69,8 @@ struct Run {
     offsets: Vec<isize>,
     /// Where its flows begin.
     flows: usize,
+    /// All its nodes have the same flows, as in tissue that conducts evenly: one is kept for each partner.
+    alike: bool,
 }
 
 impl Diffusion {
@@ -141,20 +144,23 @@ impl Diffusion {
         term.clear();
         term.extend_from_slice(potential);
         next.resize(potential.len(), 0.0);
-        for number in 1..=TERMS {
-            self.away(term, next);
-            let by = -over_ms / number as f64;
-            for (next, value) in next.iter_mut().zip(&mut *potential) {
-                *next *= by;
-                *value += *next;
+        let part = self.fastest * over_ms;
+        let mut of_fastest = part;
+        for number in 1.. {
+            let by = -over_ms / f64::from(number);
+            let sum = Some(&mut *potential);
+            pulp::Arch::new().dispatch(Away { of: self, potential: term, by, rates: next, sum });
+            of_fastest *= part / f64::from(number + 1);
+            if number > 1 && of_fastest <= LAST {
+                return;
             }
             std::mem::swap(term, next);
         }
     }
 
     /// What flows away from each node, 1/ms.
-    fn away(&self, potential: &[f64], away: &mut [f64]) {
-        pulp::Arch::new().dispatch(Away { of: self, potential, rates: away });
+    fn away(&self, potential: &[f64], rates: &mut [f64]) {
+        pulp::Arch::new().dispatch(Away { of: self, potential, by: 1.0, rates, sum: None });
     }
 
     fn crank_nicolson(&self, potential: &mut [f64], over_ms: f64, room: &mut Room) {
@@ -214,22 +220,31 @@ fn runs(partners: &[Vec<(usize, f64)>]) -> (Vec<Run>, Vec<f64>) {
         let offsets = offsets_of(first);
         let others = first + 1..partners.len();
         let last = others.take_while(|&node| offsets_of(node) == offsets).last().unwrap_or(first);
-        let nodes = first..last + 1;
+        let nodes = &partners[first..=last];
+        let near = |a: f64, b: f64| (a - b).abs() <= ROUNDING * a.abs().max(b.abs());
+        let as_first = |own: &Vec<(usize, f64)>| {
+            own.iter().zip(&nodes[0]).all(|(one, other)| near(one.1, other.1))
+        };
+        let alike = nodes.iter().all(as_first);
         let start = flows.len();
         for partner in 0..offsets.len() {
-            flows.extend(partners[nodes.clone()].iter().map(|own| own[partner].1));
+            let kept = if alike { &nodes[..1] } else { nodes };
+            flows.extend(kept.iter().map(|own| own[partner].1));
         }
-        first = nodes.end;
-        runs.push(Run { nodes, offsets, flows: start });
+        runs.push(Run { nodes: first..last + 1, offsets, flows: start, alike });
+        first = last + 1;
     }
     (runs, flows)
 }
 
-/// What flows away from each node, compiled for each kind of vector unit.
+/// What flows away from each node, times a factor, compiled for each kind of vector unit.
 struct Away<'a> {
     of: &'a Diffusion,
     potential: &'a [f64],
+    by: f64,
     rates: &'a mut [f64],
+    /// What it is added to.
+    sum: Option<&'a mut [f64]>,
 }
 
 impl pulp::WithSimd for Away<'_> {
@@ -238,19 +253,52 @@ impl pulp::WithSimd for Away<'_> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Self { of: Diffusion { runs, flows, diagonal, .. }, potential, rates } = self;
-        for Run { nodes, offsets, flows: start } in runs {
-            let away = &mut rates[nodes.clone()];
-            let own = potential[nodes.clone()].iter().zip(&diagonal[nodes.clone()]);
-            for (away, (own, diagonal)) in away.iter_mut().zip(own) {
-                *away = diagonal * own;
+        let Self { of: Diffusion { runs, flows, diagonal, .. }, potential, by, rates, sum } = self;
+        let mut sum = sum;
+        for Run { nodes, offsets, flows: start, alike } in runs {
+            let count = nodes.len();
+            let rates = &mut rates[nodes.clone()];
+            let own = &potential[nodes.clone()];
+            let diagonal = &diagonal[nodes.clone()];
+            let other = |partner: usize| {
+                let first = nodes.start.wrapping_add_signed(offsets[partner]);
+                &potential[first..first + count]
+            };
+            match (offsets.len(), alike) {
+                // A node in the middle of a sheet that conducts evenly: all at once.
+                (4, true) => {
+                    let flows: [f64; 4] = std::array::from_fn(|partner| flows[start + partner]);
+                    let others: [&[f64]; 4] = std::array::from_fn(other);
+                    for at in 0..count {
+                        let mut away = diagonal[0] * own[at];
+                        for (flow, other) in flows.iter().zip(&others) {
+                            away -= flow * other[at];
+                        }
+                        rates[at] = by * away;
+                    }
+                }
+                (partners, _) => {
+                    for (away, (own, diagonal)) in rates.iter_mut().zip(own.iter().zip(diagonal)) {
+                        *away = diagonal * own;
+                    }
+                    for partner in 0..partners {
+                        let pairs = rates.iter_mut().zip(other(partner));
+                        if *alike {
+                            let flow = flows[start + partner];
+                            pairs.for_each(|(away, other)| *away -= flow * other);
+                        } else {
+                            let flows = &flows[start + partner * count..][..count];
+                            for ((away, other), flow) in pairs.zip(flows) {
+                                *away -= flow * other;
+                            }
+                        }
+                    }
+                    rates.iter_mut().for_each(|away| *away *= by);
+                }
             }
-            for (partner, offset) in offsets.iter().enumerate() {
-                let first = nodes.start.wrapping_add_signed(*offset);
-                let others = &potential[first..first + nodes.len()];
-                let flows = &flows[start + partner * nodes.len()..][..nodes.len()];
-                for ((away, other), flow) in away.iter_mut().zip(others).zip(flows) {
-                    *away -= flow * other;
+            if let Some(sum) = &mut sum {
+                for (sum, rate) in sum[nodes.clone()].iter_mut().zip(&*rates) {
+                    *sum += rate;
                 }
             }
         }

@@ -5,14 +5,23 @@ use crate::recording::LocalBeat;
 /// A potential has repolarised when this part of its height is left.
 const LEFT: f64 = 0.1;
 
+/// The highest potential where there is no beat: nothing is above or below it.
+const NONE: f64 = f64::NAN;
+
+/// Nodes that are looked at together.
+const PIECE: usize = 64;
+
 /// The potential of each node, followed from step to step.
 #[derive(Debug, Clone)]
 pub(super) struct Followed {
-    beats: Vec<Vec<LocalBeat>>,
+    /// In order of activation, each with its node.
+    beats: Vec<(usize, LocalBeat)>,
+    /// The last beat of each node, if it has one.
+    last: Vec<usize>,
     /// After the last step.
     before: Vec<f64>,
-    /// The highest of the last beat; `None` once that has repolarised.
-    highest: Vec<Option<f64>>,
+    /// The highest of the last beat; `NONE` once that has repolarised.
+    highest: Vec<f64>,
     rest: f64,
     level: f64,
 }
@@ -22,40 +31,61 @@ impl Followed {
     pub(super) fn new(potentials: Vec<f64>, rest: f64, level: f64) -> Self {
         let count = potentials.len();
         Self {
-            beats: vec![Vec::new(); count],
+            beats: Vec::new(),
+            last: vec![usize::MAX; count],
             before: potentials,
-            highest: vec![None; count],
+            highest: vec![NONE; count],
             rest,
             level,
         }
     }
 
-    /// The beats of each node.
-    pub(super) fn beats(&self) -> &[Vec<LocalBeat>] {
-        &self.beats
+    /// How many nodes there are.
+    pub(super) fn nodes(&self) -> usize {
+        self.last.len()
+    }
+
+    /// The beats of each node, in order of time.
+    pub(super) fn beats(&self) -> Vec<Vec<LocalBeat>> {
+        let mut beats = vec![Vec::new(); self.last.len()];
+        self.beats.iter().for_each(|&(node, beat)| beats[node].push(beat));
+        beats
     }
 
     /// Takes the potentials after a step that ends now; times within it are linear.
     pub(super) fn step(&mut self, potentials: &[f64], now: f64, step: f64) {
-        let Self { beats, before, highest, rest, level } = self;
-        let nodes = beats.iter_mut().zip(before).zip(highest);
-        for (((beats, before), highest), &after) in nodes.zip(potentials) {
-            let crossed = |at: f64| now - step * ((after - at) / (after - *before)).clamp(0.0, 1.0);
-            if *before <= *level && after > *level {
-                beats.push(LocalBeat { activated_ms: crossed(*level), repolarised_ms: None });
-                *highest = Some(after);
-            } else if let Some(top) = *highest {
-                let low = *rest + LEFT * (top - *rest);
-                if after <= low {
-                    if let Some(last) = beats.last_mut() {
-                        last.repolarised_ms = Some(crossed(low));
+        let (rest, level) = (self.rest, self.level);
+        let low = |highest: f64| rest + LEFT * (highest - rest);
+        let pieces = potentials.chunks(PIECE).zip(self.before.chunks_mut(PIECE));
+        let pieces = pieces.zip(self.highest.chunks_mut(PIECE)).enumerate();
+        for (piece, ((potentials, before), highest)) in pieces {
+            // In most pieces nothing begins or ends, which is seen without a branch for each node.
+            let nodes = potentials.iter().zip(&*before).zip(&*highest);
+            let happens = nodes.fold(false, |any, ((&after, &before), &highest)| {
+                any | ((before <= level) & (after > level)) | (after <= low(highest))
+            });
+            let nodes = potentials.iter().zip(&*before).zip(&mut *highest).enumerate();
+            for (at, ((&after, &before), highest)) in nodes.filter(|_| happens) {
+                let node = PIECE * piece + at;
+                let crossed =
+                    |at: f64| now - step * ((after - at) / (after - before)).clamp(0.0, 1.0);
+                if before <= level && after > level {
+                    let beat = LocalBeat { activated_ms: crossed(level), repolarised_ms: None };
+                    self.last[node] = self.beats.len();
+                    self.beats.push((node, beat));
+                    *highest = after;
+                } else if after <= low(*highest) {
+                    if let Some((_, beat)) = self.beats.get_mut(self.last[node]) {
+                        beat.repolarised_ms = Some(crossed(low(*highest)));
                     }
-                    *highest = None;
-                } else {
-                    *highest = Some(top.max(after));
+                    *highest = NONE;
                 }
             }
-            *before = after;
+            for (highest, &after) in highest.iter_mut().zip(potentials) {
+                // Stays what it is where there is no beat.
+                *highest = if after > *highest { after } else { *highest };
+            }
+            before.copy_from_slice(potentials);
         }
     }
 }

@@ -70,22 +70,24 @@ impl Members {
         }
     }
 
-    /// Reads a state variable of all.
-    pub(super) fn read(&self, variable: usize, values: &mut Vec<f64>) {
-        values.clear();
+    /// A state variable of all.
+    pub(super) fn read(&self, variable: usize) -> Vec<f64> {
         match self {
-            Self::Together(cells) => values.extend_from_slice(cells.values(variable)),
-            Self::Alone(cells) => values.extend(cells.iter().map(|cell| cell.state()[variable])),
+            Self::Together(cells) => cells.values(variable).to_vec(),
+            Self::Alone(cells) => cells.iter().map(|cell| cell.state()[variable]).collect(),
         }
     }
 
-    /// Sets a state variable of all.
-    pub(super) fn write(&mut self, variable: usize, values: &[f64]) {
+    /// Changes a state variable of all.
+    pub(super) fn change(&mut self, variable: usize, how: impl FnOnce(&mut [f64])) {
         match self {
-            Self::Together(cells) => cells.values_mut(variable).copy_from_slice(values),
+            Self::Together(cells) => how(cells.values_mut(variable)),
             Self::Alone(cells) => {
+                let mut values: Vec<f64> =
+                    cells.iter().map(|cell| cell.state()[variable]).collect();
+                how(&mut values);
                 for (cell, value) in cells.iter_mut().zip(values) {
-                    cell.set_state(variable, *value);
+                    cell.set_state(variable, value);
                 }
             }
         }

@@ -164,7 +164,6 @@ pub struct Tissue {
     channels: Option<Channels>,
     pull: Option<Pull>,
     room: Room,
-    potential: Vec<f64>,
 }
 
 /// The cells at one time.
@@ -218,10 +217,9 @@ impl Tissue {
         stimulus_times_ms.sort_by(f64::total_cmp);
         stimulus_times_ms.dedup();
         let strongest = super::by_triangle::strongest(&model, settings, scale, 1.0)?;
-        let mut potential = Vec::new();
-        members.read(place, &mut potential);
-        let followed = Followed::new(potential.clone(), state[place], level);
+        let potential = members.read(place);
         let tips = Tips::new(mesh, level, &potential);
+        let followed = Followed::new(potential, state[place], level);
         let kept = Cells { members, time_ms: 0.0, followed, tips };
         let corners = mesh.simplices.iter().map(|triangle| triangle.nodes).collect();
         let mut tissue = Self {
@@ -241,7 +239,6 @@ impl Tissue {
             channels: None,
             pull,
             room: Room::default(),
-            potential,
         };
         tissue.find_tension();
         Ok(tissue)
@@ -258,7 +255,7 @@ impl Tissue {
     pub fn with_stretch_current(self, current: StretchCurrent) -> Self {
         let StretchCurrent { conductance, reversal_mv } = current;
         let reversal = state_at(&*self.model, self.place, reversal_mv).unwrap_or(REVERSAL);
-        let longer = vec![0.0; self.potential.len()];
+        let longer = vec![0.0; self.nodes()];
         Self { channels: Some(Channels { conductance, reversal, longer }), ..self }
     }
 
@@ -297,16 +294,17 @@ impl Tissue {
 
     /// The potential of each node, in the unit of the model's state.
     pub fn potentials(&self) -> impl Iterator<Item = f64> + '_ {
-        let mut potentials = Vec::new();
-        self.moved.members.read(self.place, &mut potentials);
-        potentials.into_iter()
+        self.moved.members.read(self.place).into_iter()
+    }
+
+    fn nodes(&self) -> usize {
+        self.moved.followed.nodes()
     }
 
     /// Moves from where it was kept to a time, ms, with this stretch of each triangle.
     fn move_to(&mut self, to_ms: f64, stretch: &[f64]) -> Result<(), SolveError> {
         let felt = self.channels.is_some() || self.pull.is_some();
-        let nodes =
-            if felt { at_nodes(&self.corners, self.potential.len(), stretch) } else { Vec::new() };
+        let nodes = if felt { at_nodes(&self.corners, self.nodes(), stretch) } else { Vec::new() };
         let over_ms = to_ms - self.kept.time_ms;
         // Where crossbridges are followed apart, the rest of each cell goes on but once an interval.
         if self.pull.as_ref().is_none_or(|pull| pull.reached != Some(to_ms)) {
@@ -330,7 +328,7 @@ impl Tissue {
     fn go(&mut self, to_ms: f64) -> Result<(), SolveError> {
         let mut now = self.step_end(self.moved.time_ms, to_ms);
         if let Some(now) = now {
-            self.spread(0.5 * (now - self.moved.time_ms));
+            self.spread(0.5 * (now - self.moved.time_ms), None);
         }
         while let Some(end) = now {
             let step = end - self.moved.time_ms;
@@ -339,9 +337,8 @@ impl Tissue {
             self.moved.time_ms = end;
             now = self.step_end(end, to_ms);
             // The second half of this step and the first of the next.
-            self.spread(0.5 * (step + now.map_or(0.0, |next| next - end)));
-            self.moved.followed.step(&self.potential, end, step);
-            self.moved.tips.see(&self.potential, end);
+            let over_ms = 0.5 * (step + now.map_or(0.0, |next| next - end));
+            self.spread(over_ms, Some([end, step]));
         }
         self.moved.members.check_finite()?;
         self.moved.time_ms = to_ms;
@@ -358,20 +355,21 @@ impl Tissue {
         (to_ms - from_ms > same).then_some(end_ms)
     }
 
-    /// Lets the potential spread; it is then that of all cells.
-    fn spread(&mut self, over_ms: f64) {
-        let (potential, members) = (&mut self.potential, &mut self.moved.members);
-        members.read(self.place, potential);
-        if self.diffusion.is_none() && self.channels.is_none() {
-            return;
-        }
-        if let Some(diffusion) = &self.diffusion {
-            diffusion.spread(potential, over_ms, &mut self.room);
-        }
-        if let Some(channels) = &self.channels {
-            channels.flow(potential, over_ms);
-        }
-        members.write(self.place, potential);
+    /// Lets the potential spread, and takes note of it after a step with this end and length, ms.
+    fn spread(&mut self, over_ms: f64, step: Option<[f64; 2]>) {
+        let Cells { members, followed, tips, .. } = &mut self.moved;
+        members.change(self.place, |potential| {
+            if let Some(diffusion) = &self.diffusion {
+                diffusion.spread(potential, over_ms, &mut self.room);
+            }
+            if let Some(channels) = &self.channels {
+                channels.flow(potential, over_ms);
+            }
+            if let Some([end, step]) = step {
+                followed.step(potential, end, step);
+                tips.see(potential, end);
+            }
+        });
     }
 
     /// Computes the tension of every triangle, and how it grows with the stretch of the triangle.
@@ -519,7 +517,7 @@ impl Activation for Tissue {
         self.probes.iter().map(value).collect()
     }
 
-    fn local_beats(&self) -> Option<&[Vec<LocalBeat>]> {
+    fn local_beats(&self) -> Option<Vec<Vec<LocalBeat>>> {
         Some(self.moved.followed.beats())
     }
 

@@ -146,7 +146,7 @@ where
             Wave {
                 points: mesh.points.clone(),
                 triangles: mesh.simplices.iter().map(|triangle| triangle.nodes).collect(),
-                beats: beats.to_vec(),
+                beats,
                 tips: meeting.activation.wave_tips().to_vec(),
             }
         });

@@ -71,7 +71,7 @@ fn a_wave_across_the_fibres_is_slower_by_the_root_of_both() {
     let conduction = Conduction { along: HUMAN, ..Conduction::even(0.5 * HUMAN) };
     let time = |fibre: [f64; 2], conduction: &Conduction| {
         // So short a step that all three spread by the same terms.
-        let mut strip = strip(Variant::Epi, &mesh, fibre, conduction, 0.01);
+        let mut strip = strip(Variant::Epi, &mesh, fibre, conduction, 0.005);
         strip.reach(30.0).unwrap();
         let at = |x: f64| {
             let near = |node: &usize| (mesh.point(*node)[0] - x).abs() < 1e-6;

@@ -1,6 +1,6 @@
 //! Steps of many cells in vector registers.
 
-use super::MinimalModel;
+use super::{Electrical, MinimalModel, Tension};
 use crate::cell::cell_model::Together;
 
 /// Cells of one piece of the loop, which fills vector registers.
@@ -30,32 +30,56 @@ impl pulp::WithSimd for Euler<'_> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Self { model, mut states, stimuli, step_ms } = self;
+        let Self { model, states, stimuli, step_ms } = self;
         // Constants that are not behind a pointer stay in registers.
-        let (electrical, tension) = (model.electrical, model.tension);
-        for first in (0..stimuli.len()).step_by(LANES) {
-            let last = stimuli.len().min(first + LANES);
+        let model = (model.electrical, model.tension);
+        // Pieces of a known length are read without a call for each.
+        let mut states = states.map(|values| values.as_chunks_mut::<LANES>());
+        let (stimuli, last_stimuli) = stimuli.as_chunks::<LANES>();
+        for (piece, stimulus) in stimuli.iter().enumerate() {
             let mut of = [[0.0; LANES]; 6];
-            let mut stimulus = [0.0; LANES];
-            for (lanes, values) in of.iter_mut().zip(&states) {
-                lanes[..last - first].copy_from_slice(&values[first..last]);
+            for (lanes, (pieces, _)) in of.iter_mut().zip(&states) {
+                *lanes = pieces[piece];
             }
-            stimulus[..last - first].copy_from_slice(&stimuli[first..last]);
-            for lane in 0..LANES {
-                let [u, v, w, s, ta_i, ta] = [0, 1, 2, 3, 4, 5].map(|at: usize| of[at][lane]);
-                let [u_rate, v_rate, w_rate, s_rate] = electrical.rates(u, v, w, s);
-                let [ta_i_rate, ta_rate] = tension.rates(u, ta_i, ta);
-                of[0][lane] = u + step_ms * (u_rate + stimulus[lane]);
-                of[1][lane] = v + step_ms * v_rate;
-                of[2][lane] = w + step_ms * w_rate;
-                of[3][lane] = s + step_ms * s_rate;
-                of[4][lane] = ta_i + step_ms * ta_i_rate;
-                of[5][lane] = ta + step_ms * ta_rate;
-            }
-            for (lanes, values) in of.iter().zip(states.each_mut()) {
-                values[first..last].copy_from_slice(&lanes[..last - first]);
+            step_of(model, &mut of, stimulus, step_ms);
+            for (lanes, (pieces, _)) in of.iter().zip(&mut states) {
+                pieces[piece] = *lanes;
             }
         }
+        let padded = |values: &[f64]| {
+            let mut lanes = [0.0; LANES];
+            lanes[..values.len()].copy_from_slice(values);
+            lanes
+        };
+        if !last_stimuli.is_empty() {
+            let mut of = states.each_ref().map(|(_, rest)| padded(rest));
+            step_of(model, &mut of, &padded(last_stimuli), step_ms);
+            for (lanes, (_, rest)) in of.iter().zip(&mut states) {
+                rest.copy_from_slice(&lanes[..rest.len()]);
+            }
+        }
+    }
+}
+
+/// A step of some cells.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "a call would lose the vector units")]
+fn step_of(
+    (electrical, tension): (Electrical, Tension),
+    of: &mut [[f64; LANES]; 6],
+    stimulus: &[f64; LANES],
+    step_ms: f64,
+) {
+    for lane in 0..LANES {
+        let [u, v, w, s, ta_i, ta] = [0, 1, 2, 3, 4, 5].map(|at: usize| of[at][lane]);
+        let [u_rate, v_rate, w_rate, s_rate] = electrical.rates(u, v, w, s);
+        let [ta_i_rate, ta_rate] = tension.rates(u, ta_i, ta);
+        of[0][lane] = u + step_ms * (u_rate + stimulus[lane]);
+        of[1][lane] = v + step_ms * v_rate;
+        of[2][lane] = w + step_ms * w_rate;
+        of[3][lane] = s + step_ms * s_rate;
+        of[4][lane] = ta_i + step_ms * ta_i_rate;
+        of[5][lane] = ta + step_ms * ta_rate;
     }
 }
 
