@@ -138,7 +138,7 @@ impl Checks {
         // core, other crates for more of what it depends on.
         |checks| {
             let mut bare = cargo(["check", "-p", "myospring-core", "-p", "myospring", "--locked"]);
-            bare.args(["--no-default-features", "--lib", "--tests"]);
+            bare.args(["--no-default-features", "--lib"]);
             checks.step("the library without its features", bare)?;
             checks.step("the core alone", cargo(["check", "-p", "myospring-core", "--locked"]))
         },

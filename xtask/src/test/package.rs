@@ -35,6 +35,7 @@ impl Checks {
         let mut tests = within(python.module("pytest"));
         // -rs: what is skipped is said, with the reason. Each file has one worker.
         tests.args(["--quiet", "-rs", "-p", "no:cacheprovider", "-n", "2", "--dist", "loadfile"]);
+        tests.arg("--durations=10");
         self.step("the Python package: pytest", tests)?;
         // From elsewhere, so that what is installed is looked at, and not its source.
         let elsewhere = |mut command: Command| {

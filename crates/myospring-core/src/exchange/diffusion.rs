@@ -293,7 +293,9 @@ impl pulp::WithSimd for Away<'_> {
                             }
                         }
                     }
-                    rates.iter_mut().for_each(|away| *away *= by);
+                    for away in &mut *rates {
+                        *away *= by;
+                    }
                 }
             }
             if let Some(sum) = &mut sum {

@@ -53,6 +53,10 @@ impl Followed {
     }
 
     /// Takes the potentials after a step that ends now; times within it are linear.
+    #[allow(
+        clippy::needless_bitwise_bool,
+        reason = "without branches the loop fills vector registers"
+    )]
     pub(super) fn step(&mut self, potentials: &[f64], now: f64, step: f64) {
         let (rest, level) = (self.rest, self.level);
         let low = |highest: f64| rest + LEFT * (highest - rest);

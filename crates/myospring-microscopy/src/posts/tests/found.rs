@@ -22,7 +22,7 @@ fn check(diameters: &[f64]) {
     let mut missed = Vec::new();
     for &diameter in diameters {
         // Films of large posts are large.
-        let few = [(100.0, 15), (30.0, 7), (0.0, 1)];
+        let few = [(100.0, 41), (30.0, 17), (0.0, 1)];
         let few = few.into_iter().find(|(above, _)| diameter > *above);
         let mut sample = Sample::one_in(few.map_or(1, |(_, few)| few));
         for (contrast, rim_only) in [(80.0, false), (-80.0, false), (80.0, true), (-80.0, true)] {
