@@ -1,4 +1,4 @@
-//! `cargo xtask endure`: kills the program at random moments, takes memory and disk space away, and compares the results.
+//! `cargo xtask endure`: ends the program at random moments, takes memory and disk space away, and compares the results.
 
 mod faults;
 mod results;
@@ -12,11 +12,11 @@ use trial::{Place, Random, Trial, Work};
 const HELP: &str = "\
 Usage: cargo xtask endure [--quick | --for MINUTES] [--seed NUMBER] [--program PATH]
 
-Kills the program (SIGKILL) at random moments of runs, films, fits, batches and studies, starts it again, and compares what it leaves
+Ends the program (SIGKILL, SIGTERM, SIGINT, SIGHUP) at random moments of runs, films, fits, batches and studies, starts it again, and compares what it leaves
 with the results of a program that nobody disturbed, byte by byte. Starts two at once on one folder. Then it takes memory, descriptors
 and disk space away.
 
-  --quick           Each work is killed three times (two to three minutes)
+  --quick           Each work is ended three times (two to three minutes)
   --for MINUTES     Goes on so long; 10 unless stated
   --seed NUMBER     Of the random moments; the time unless stated
   --program PATH    The program; that which tests build unless stated
@@ -67,8 +67,8 @@ const WORKS: [Work; 6] = [
     Work { name: "study", arguments: &["study", "run", STUDY], resumes: true },
 ];
 
-/// Kills of each work in a round.
-const KILLS: usize = 3;
+/// How often each work is ended in a round.
+const ENDS: usize = 3;
 
 pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
     let options = Options::of(arguments)?;
@@ -90,8 +90,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
     let end = Instant::now() + options.time;
     loop {
         for trial in &mut trials {
-            for _ in 0..KILLS {
-                trial.kill(&place, &mut random)?;
+            for _ in 0..ENDS {
+                trial.end(&place, &mut random)?;
             }
             trial.two_at_once(&place)?;
         }
@@ -100,11 +100,11 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
         }
     }
     say(
-        "\n| work | takes, s | killed | before it had written | after it was done |\n|---|---|---|---|---|\n",
+        "\n| work | takes, s | asked to end | killed | before it had written | after it was done |\n|---|---|---|---|---|---|\n",
     );
-    for Trial { work, takes, killed, early, late, .. } in &trials {
-        let name = work.name;
-        say(&format!("| {name} | {:.1} | {killed} | {early} | {late} |\n", takes.as_secs_f64()));
+    for Trial { work, takes, asked, killed, early, late, .. } in &trials {
+        let (name, takes) = (work.name, takes.as_secs_f64());
+        say(&format!("| {name} | {takes:.1} | {asked} | {killed} | {early} | {late} |\n"));
     }
     let mut faults = faults::all(&place, &trials)?;
     faults.extend(trials.into_iter().flat_map(|trial| trial.faults));

@@ -48,7 +48,7 @@ const POSTS: &str = "Posts of a tissue";
         myospring paper                                   reproduce Figs 3, 5 and 6\n\n\
         Values carry their unit: \"50 kPa\", \"1.1 um\", \"600 ms\", \"30 deg\".\n\
         Exit codes: 0 done, 1 a run stopped early or a check failed, 2 bad input or usage, or results could \
-        not be written, 130 ended by Ctrl-C, 143 by SIGTERM."
+        not be written, 129 ended as the terminal was closed, 130 by Ctrl-C, 143 by SIGTERM."
 )]
 pub(crate) struct Cli {
     /// Print what to cite, as BibTeX

@@ -38,7 +38,7 @@ pub(crate) fn heed(doing: &'static str) {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         // Without it, a signal ends the program at once, and the next run removes the remains.
-        if [SIGINT, SIGTERM].into_iter().try_for_each(register).is_ok() {
+        if signals().try_for_each(register).is_ok() {
             thread::spawn(move || {
                 while !asked() {
                     thread::sleep(SOON);
@@ -71,6 +71,25 @@ pub(crate) fn heed_soon(doing: &'static str) {
 /// The work has ended, by itself or early; the rest is completed.
 pub(crate) fn tidies() {
     TIDIES.store(true, Ordering::SeqCst);
+}
+
+/// The signals that ask for an end: Ctrl-C, SIGTERM, and where there is one that of a terminal that is closed.
+fn signals() -> impl Iterator<Item = i32> {
+    #[cfg(unix)]
+    let closed = (!is_ignored(signal_hook::consts::SIGHUP)).then_some(signal_hook::consts::SIGHUP);
+    #[cfg(not(unix))]
+    let closed = None;
+    [SIGINT, SIGTERM].into_iter().chain(closed)
+}
+
+/// Whether who started the program lets it ignore a signal, as `nohup` does; where the system does not tell, it is taken to be so.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    ignored
+        .and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
+        .is_none_or(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 fn register(signal: i32) -> io::Result<()> {
@@ -113,7 +132,7 @@ pub(crate) fn end(code_otherwise: ExitCode) -> ExitCode {
     }
 }
 
-/// The exit code in a shell of a program that a signal ended: 130 for Ctrl-C, 143 for SIGTERM.
+/// The exit code in a shell of a program that a signal ended: 130 for Ctrl-C, 143 for SIGTERM, 129 for a terminal that was closed.
 fn code(signal: usize) -> u8 {
     128_u8.saturating_add(signal as u8)
 }

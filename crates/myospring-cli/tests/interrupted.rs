@@ -79,7 +79,8 @@ fn signal(child: &Child, name: &str) {
 
 #[test]
 fn an_interrupted_run_keeps_what_it_has_computed_and_dies_of_the_signal() {
-    for (name, number) in [("INT", 2), ("TERM", 15)] {
+    let closed = cfg!(target_os = "linux").then_some(("HUP", 1));
+    for (name, number) in [("INT", 2), ("TERM", 15)].into_iter().chain(closed) {
         let folder = tempfile::tempdir().unwrap();
         let child = begun(folder.path());
         signal(&child, name);
@@ -106,6 +107,17 @@ fn a_shell_sees_the_exit_codes_that_are_the_custom() {
         kill -s TERM $!; wait $!; echo $?"#;
     let output = shell(folder.path(), script);
     assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "143");
+}
+
+/// As `nohup` starts it.
+#[test]
+fn a_run_that_is_to_outlive_its_terminal_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = r#"trap "" HUP; "$1" run --spacing "3 um" >out.txt 2>err.txt &
+        while [ ! -e results/.adult_ventricular.part/files ]; do sleep 0.01; done
+        kill -s HUP $!; wait $!; echo $?"#;
+    let output = shell(folder.path(), script);
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "0");
 }
 
 #[test]

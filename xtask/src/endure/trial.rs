@@ -75,6 +75,8 @@ pub(super) struct Trial<'a> {
     pub(super) takes: Duration,
     pub(super) undisturbed: Results,
     pub(super) killed: usize,
+    /// How often it was asked to end, by SIGTERM, SIGINT or SIGHUP.
+    pub(super) asked: usize,
     /// Kills after which there was nothing, and after which all was there.
     pub(super) early: usize,
     pub(super) late: usize,
@@ -103,28 +105,38 @@ impl<'a> Trial<'a> {
             undisturbed.compared(),
             takes.as_secs_f64()
         ));
-        let (killed, early, late, faults) = (0, 0, 0, Vec::new());
-        Ok(Self { work, takes, undisturbed, killed, early, late, faults })
+        let ([killed, asked, early, late], faults) = ([0; 4], Vec::new());
+        Ok(Self { work, takes, undisturbed, killed, asked, early, late, faults })
     }
 
-    /// Kills the work at a random moment, and makes it again.
-    pub(super) fn kill(&mut self, place: &Place<'_>, random: &mut Random) -> Result<(), String> {
+    /// Ends the work at a random moment, by a random signal, and makes it again.
+    pub(super) fn end(&mut self, place: &Place<'_>, random: &mut Random) -> Result<(), String> {
         const PAST_ITS_END: f64 = 1.1;
-        let output = format!("{}_killed", self.work.name);
+        const SIGNALS: [&str; 6] = ["KILL", "KILL", "KILL", "TERM", "INT", "HUP"];
+        let output = format!("{}_ended", self.work.name);
         let target = place.folder.join(&output);
         let after = self.takes.mul_f64(PAST_ITS_END * random.part());
+        let signal = SIGNALS[(SIGNALS.len() as f64 * random.part()) as usize];
         let mut command = place.command(self.work, &output, false);
         let child = command.spawn().map_err(|error| format!("{command:?}: {error}"))?;
         std::thread::sleep(after);
-        kill(child)?;
-        self.killed += 1;
-        let moment = format!("{}, killed after {:.3} s", self.work.name, after.as_secs_f64());
+        let said = send(child, signal)?;
+        let moment = format!("{}, SIG{signal} after {:.3} s", self.work.name, after.as_secs_f64());
+        if said.contains("panicked") {
+            self.faults.push(format!("{moment}: {said}"));
+        }
         let is_there = target.exists();
-        if !is_there {
-            self.early += 1;
-        } else if !self.work.resumes {
-            self.late += 1;
-            self.compare(&target, &format!("{moment}: its folder"))?;
+        if signal != "KILL" {
+            // What is there may be a part, and says so.
+            self.asked += 1;
+        } else {
+            self.killed += 1;
+            if !is_there {
+                self.early += 1;
+            } else if !self.work.resumes {
+                self.late += 1;
+                self.compare(&target, &format!("{moment}: its folder"))?;
+            }
         }
         let (code, error) =
             ended(place.command(self.work, &output, is_there && !self.work.resumes))?;
@@ -194,9 +206,12 @@ impl<'a> Trial<'a> {
     }
 }
 
-/// Ends a program at once.
-pub(super) fn kill(mut child: Child) -> Result<(), String> {
+/// Sends a program a signal and waits for its end; what it wrote to its error output.
+fn send(child: Child, signal: &str) -> Result<String, String> {
     // One that has ended is no fault.
-    child.kill().ok();
-    child.wait().map(|_| ()).map_err(|error| error.to_string())
+    let mut kill = Command::new("kill");
+    kill.args(["-s", signal, &child.id().to_string()]).stderr(Stdio::null());
+    kill.status().map_err(|error| format!("{kill:?}: {error}"))?;
+    let output = child.wait_with_output().map_err(|error| error.to_string())?;
+    Ok(String::from_utf8_lossy(&output.stderr).into_owned())
 }

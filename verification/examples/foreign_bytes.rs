@@ -1,0 +1,335 @@
+//! Damaged files of every kind that is read, many of them: each is read or refused, without panic, in little time and memory.
+//!
+//! ```text
+//! cargo run --release -p myospring-verification --example foreign_bytes -- [READER] [--for SECONDS] [--seed NUMBER] [--only NUMBER]
+//! ```
+//!
+//! Without a reader each is tried for so long; 10 s unless stated. An input is made of a small file by one to four changes that the seed and
+//! its number determine: bits, bytes and numbers, pieces that are gone, twice there or of another file. `--only` makes but the input of this
+//! number, writes it down and reads it. An input of at most 1 MB that takes more than 2 s (`--limit SECONDS` for a build that is not
+//! optimised) or 500 MB, or makes the reader panic, is a fault, and is kept in `target/foreign_bytes`. A process that ends early has left the
+//! number of its input there, in `READER.number`.
+#![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program of its own")]
+#![allow(
+    clippy::expect_used,
+    reason = "what must hold for outlines is said by the tests that share it"
+)]
+#![allow(dead_code, reason = "the tests use more of what they share")]
+
+#[path = "../../crates/myospring/tests/common/film_bytes.rs"]
+mod film_bytes;
+#[path = "../../crates/myospring/tests/common/outline_bytes.rs"]
+mod outline_bytes;
+#[path = "../../crates/myospring/tests/common/picture_bytes.rs"]
+mod picture_bytes;
+#[path = "../../crates/myospring/tests/common/workbook_bytes.rs"]
+mod workbook_bytes;
+
+use myospring::cell_files::{self, Choices};
+use myospring::compare::dose;
+use myospring::measured::{TableOptions, read_bytes};
+use myospring::output::npz::{self, Array};
+use myospring::run_file::RunFile;
+use myospring::study::parameters::ParameterStudy;
+use std::panic::catch_unwind;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Most of one input.
+const LARGEST: usize = 1_000_000;
+const TOO_LONG_S: u64 = 2;
+const TOO_MUCH_KB: u64 = 500_000;
+
+/// A reader, the files from which its inputs are made, and what is done with one.
+struct Reader {
+    name: &'static str,
+    seeds: Vec<Vec<u8>>,
+    read: fn(&[u8]),
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let option = |name: &str| {
+        let at = arguments.iter().position(|argument| argument == name)?;
+        Some(arguments[at + 1].parse::<u64>().unwrap())
+    };
+    let (time, seed) = (option("--for").unwrap_or(10), option("--seed").unwrap_or(1));
+    let named = arguments.first().filter(|first| !first.starts_with("--"));
+    let folder = root().join("target/foreign_bytes");
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut faults = 0;
+    println!(
+        "seed {seed}\n\n| reader | inputs | slowest, s | memory, MB | faults |\n|---|---|---|---|---|"
+    );
+    for reader in readers().iter().filter(|one| named.is_none_or(|name| name == one.name)) {
+        if let Some(number) = option("--only") {
+            let path = folder.join(format!("{}_{number}", reader.name));
+            std::fs::write(&path, input(reader, seed, number)).unwrap();
+            println!("{}", path.display());
+            (reader.read)(&input(reader, seed, number));
+            continue;
+        }
+        let times = [time, option("--limit").unwrap_or(TOO_LONG_S)].map(Duration::from_secs);
+        faults += campaign(reader, seed, times, &folder);
+    }
+    std::process::exit(i32::from(faults > 0));
+}
+
+/// Reads inputs for some time, each of which may take so long; how many faults there were.
+fn campaign(reader: &Reader, seed: u64, [time, limit]: [Duration; 2], folder: &Path) -> usize {
+    let start = Instant::now();
+    let marker = folder.join(format!("{}.number", reader.name));
+    let (mut slowest, mut most, mut faults, mut number) = (Duration::ZERO, 0, 0, 0);
+    while start.elapsed() < time {
+        let bytes = input(reader, seed, number);
+        std::fs::write(&marker, number.to_string()).unwrap();
+        forget_peak();
+        let before = Instant::now();
+        let read = reader.read;
+        let outcome = catch_unwind(|| read(&bytes));
+        let (took, held) = (before.elapsed(), peak_kb());
+        slowest = slowest.max(took);
+        most = most.max(held);
+        if outcome.is_err() || took > limit || held > TOO_MUCH_KB {
+            faults += 1;
+            let kept = folder.join(format!("{}_{number}", reader.name));
+            std::fs::write(&kept, &bytes).unwrap();
+            let panicked = if outcome.is_err() { "a panic, " } else { "" };
+            println!(
+                "{}: {panicked}{:.2} s, {} MB",
+                kept.display(),
+                took.as_secs_f64(),
+                held / 1000
+            );
+        }
+        number += 1;
+    }
+    std::fs::remove_file(&marker).unwrap();
+    let (name, slowest) = (reader.name, slowest.as_secs_f64());
+    println!("| {name} | {number} | {slowest:.2} | {} | {faults} |", most / 1000);
+    faults
+}
+
+/// Lets the largest memory of this process count from now on (Linux).
+fn forget_peak() {
+    std::fs::write("/proc/self/clear_refs", "5").ok();
+}
+
+/// The largest memory of this process that was in use since then, kB; 0 where the system does not tell.
+fn peak_kb() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.and_then(|rest| rest.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+}
+
+fn readers() -> Vec<Reader> {
+    let corpus = |name: &str| files(&root().join("fuzz/corpus").join(name), "");
+    let examples = root().join("examples");
+    let mut models = vec![cell_files_example().into_bytes()];
+    models.extend(files(&root().join("../shared/data/cell-models"), ".cellml"));
+    models.extend(files(&root().join("../shared/data/cell-models"), ".mmt"));
+    models.retain(|model| model.len() < 60_000);
+    let array = Array::floats(vec![4, 6], (0..24).map(f64::from));
+    let archive = npz::to_bytes(&[("u", array.clone()), ("v", array.clone())]).unwrap();
+    vec![
+        Reader {
+            name: "picture",
+            seeds: corpus("picture"),
+            read: |bytes| assert!(picture_bytes::exercise(bytes) < 4),
+        },
+        Reader {
+            name: "film",
+            seeds: corpus("film"),
+            read: |bytes| {
+                film_bytes::exercise(bytes);
+                film_bytes::exercise_stack(bytes);
+            },
+        },
+        Reader { name: "outlines", seeds: corpus("outlines"), read: outline_bytes::exercise },
+        Reader {
+            name: "workbook",
+            seeds: corpus("workbook"),
+            read: |bytes| assert!(workbook_bytes::exercise(bytes) < LARGEST),
+        },
+        Reader {
+            name: "curve",
+            seeds: files(&examples.join("tutorial"), ".csv"),
+            read: |bytes| {
+                for name in ["curve.csv", "curve.txt"] {
+                    drop(read_bytes(name, bytes, &TableOptions::default()));
+                }
+            },
+        },
+        Reader {
+            name: "cell_file",
+            seeds: models,
+            read: |bytes| {
+                let text = String::from_utf8_lossy(bytes);
+                drop(cell_files::read("it", &text, &Choices::default(), &|_| {
+                    Some(text.to_string())
+                }));
+            },
+        },
+        Reader {
+            name: "run_file",
+            seeds: files(&examples, ".toml"),
+            read: |bytes| {
+                if let Ok(file) = RunFile::from_text(&String::from_utf8_lossy(bytes)) {
+                    drop(file.resolve());
+                }
+            },
+        },
+        Reader {
+            name: "study",
+            seeds: files(&examples.join("studies"), ".toml"),
+            read: |bytes| {
+                let none = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+                drop(ParameterStudy::from_toml(&String::from_utf8_lossy(bytes), none));
+            },
+        },
+        Reader {
+            name: "doses",
+            seeds: vec![dose::EXAMPLE.into()],
+            read: |bytes| drop(dose::read(&String::from_utf8_lossy(bytes))),
+        },
+        Reader {
+            name: "arrays",
+            seeds: vec![npz::to_npy(&array), archive],
+            read: |bytes| {
+                drop(npz::from_npy(bytes));
+                drop(npz::read(bytes));
+            },
+        },
+    ]
+}
+
+/// A small model in Myokit's format.
+fn cell_files_example() -> String {
+    "[[model]]\nname: small\nmembrane.V = -80\n\n[engine]\ntime = 0 [ms] bind time\npace = 0 bind pace\n\n[membrane]\n\
+     dot(V) = -(leak.i + pace * 20) in [mV]\n\n[leak]\ni = g * (membrane.V + 80)\ng = 0.1\n"
+        .to_owned()
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The files of a folder whose names end so, in order of their names.
+fn files(folder: &Path, end: &str) -> Vec<Vec<u8>> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    paths.retain(|path| path.to_string_lossy().ends_with(end) && path.is_file());
+    paths.sort();
+    paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
+}
+
+/// Random numbers (splitmix64).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// Below a number; 0 for none.
+    fn below(&mut self, end: usize) -> usize {
+        if end == 0 { 0 } else { (self.next() % end as u64) as usize }
+    }
+
+    fn one_of<T: Copy>(&mut self, list: &[T]) -> T {
+        list[self.below(list.len())]
+    }
+}
+
+/// The input of a number.
+fn input(reader: &Reader, seed: u64, number: u64) -> Vec<u8> {
+    let mut random =
+        Random(seed.wrapping_mul(0x1000_0000_01b3) ^ number.wrapping_mul(0x5851_f42d_4c95_7f2d));
+    let from = random.below(reader.seeds.len());
+    let mut bytes = reader.seeds[from].clone();
+    for _ in 0..=random.below(4) {
+        change(&mut bytes, &mut random, &reader.seeds);
+    }
+    bytes.truncate(LARGEST);
+    bytes
+}
+
+/// Words that stand for numbers, at which readers fail.
+const WORDS: [&str; 14] = [
+    "nan",
+    "-1",
+    "0",
+    "1e999",
+    "-1e-999",
+    "99999999999999999999",
+    "4294967296",
+    "1000000000",
+    "",
+    "1,5",
+    "inf",
+    "[]",
+    "\"\"",
+    "0x10",
+];
+const WHOLE: [u64; 12] =
+    [0, 1, 2, 0x7f, 0xff, 0x7fff, 0xffff, 0x7fff_ffff, 0x8000_0000, 0xffff_ffff, u64::MAX, 1 << 40];
+
+fn change(bytes: &mut Vec<u8>, random: &mut Random, seeds: &[Vec<u8>]) {
+    let at = random.below(bytes.len());
+    let length = 1 + random.below(64);
+    let end = bytes.len().min(at + length);
+    match random.below(9) {
+        0 if !bytes.is_empty() => bytes[at] ^= 1 << random.below(8),
+        1 if !bytes.is_empty() => {
+            bytes[at] = random.one_of(&[0, 1, 0x7f, 0x80, 0xff, b' ', b'\n', b',', b'"'])
+        }
+        2 => {
+            // A whole number of two, four or eight bytes, in either order.
+            let (width, value) = (random.one_of(&[2, 4, 8]), random.one_of(&WHOLE));
+            let mut as_bytes = value.to_le_bytes()[..width].to_vec();
+            if random.below(2) == 0 {
+                as_bytes.reverse();
+            }
+            let end = bytes.len().min(at + width);
+            bytes[at..end].copy_from_slice(&as_bytes[..end - at]);
+        }
+        3 => bytes.truncate(at),
+        4 => drop(bytes.drain(at..end)),
+        5 => {
+            let piece = bytes[at..end].to_vec();
+            let times = random.one_of(&[1, 2, 100, 5000]);
+            bytes.splice(at..at, piece.repeat(times));
+        }
+        6 => {
+            let other = &seeds[random.below(seeds.len())];
+            let from = random.below(other.len());
+            bytes.truncate(at);
+            bytes.extend_from_slice(&other[from..]);
+        }
+        7 => {
+            // A number of a text is another word.
+            let is_part = |byte: &u8| byte.is_ascii_digit() || b".+-".contains(byte);
+            if let Some(first) = bytes[at..].iter().position(u8::is_ascii_digit) {
+                let first = at + first;
+                let last = bytes[first..].iter().position(|byte| !is_part(byte)).unwrap_or(0);
+                bytes.splice(first..first + last, random.one_of(&WORDS).bytes());
+            }
+        }
+        _ => {
+            // A line moves.
+            let line = |from: usize| {
+                bytes[from..].iter().position(|&byte| byte == b'\n').map(|end| from + end + 1)
+            };
+            if let Some(first) = line(at)
+                && let Some(last) = line(first)
+            {
+                let moved: Vec<u8> = bytes.drain(first..last).collect();
+                let to = random.below(bytes.len() + 1);
+                bytes.splice(to..to, moved);
+            }
+        }
+    }
+}
