@@ -284,7 +284,7 @@ fn change(bytes: &mut Vec<u8>, random: &mut Random, seeds: &[Vec<u8>]) {
     match random.below(9) {
         0 if !bytes.is_empty() => bytes[at] ^= 1 << random.below(8),
         1 if !bytes.is_empty() => {
-            bytes[at] = random.one_of(&[0, 1, 0x7f, 0x80, 0xff, b' ', b'\n', b',', b'"'])
+            bytes[at] = random.one_of(&[0, 1, 0x7f, 0x80, 0xff, b' ', b'\n', b',', b'"']);
         }
         2 => {
             // A whole number of two, four or eight bytes, in either order.

@@ -6,7 +6,7 @@ use crate::{errors, head, words};
 use myospring::experiment::{self, ExperimentError};
 use myospring::interruption::Interruption;
 use myospring::output::files::{self, Manifest, Reads};
-use myospring::settings::Models;
+use myospring::settings::{Models, read_toml};
 use myospring::study::parameters::{
     Answer, Common, MemberKind, ParameterStudy, ParameterStudyError, Shard, TRACES, Variation,
     VariationRow,
@@ -60,7 +60,7 @@ pub(crate) fn study_toml(json: &str) -> PyResult<String> {
 /// A description, TOML, whose members are the rows of a file; it says nothing about members itself.
 #[pyfunction]
 pub(crate) fn with_rows(py: Python<'_>, text: &str, file: &str) -> PyResult<String> {
-    let table: Result<toml::Table, _> = text.parse();
+    let table: Result<toml::Table, _> = read_toml(text);
     let mut table = table.map_err(|error| errors::of_study(py, &error.into()))?;
     if let Some(key) = ["parameters", "sampling"].into_iter().find(|key| table.contains_key(*key)) {
         let cause = format!("the members are rows, so [{key}] would not be used: leave it out");

@@ -40,6 +40,7 @@ mod shown;
 mod steady;
 mod tension;
 mod tissue;
+mod toml_text;
 mod value;
 mod words;
 
@@ -68,6 +69,7 @@ pub use shown::{Shown, StackCell};
 pub use steady::CacheError;
 pub use tension::{TENSION_ENDINGS, TensionError};
 pub use tissue::{Conducts, TissueSettings};
+pub use toml_text::read_toml;
 pub use value::Value;
 pub use words::Word;
 

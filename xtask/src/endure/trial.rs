@@ -126,10 +126,7 @@ impl<'a> Trial<'a> {
             self.faults.push(format!("{moment}: {said}"));
         }
         let is_there = target.exists();
-        if signal != "KILL" {
-            // What is there may be a part, and says so.
-            self.asked += 1;
-        } else {
+        if signal == "KILL" {
             self.killed += 1;
             if !is_there {
                 self.early += 1;
@@ -137,6 +134,9 @@ impl<'a> Trial<'a> {
                 self.late += 1;
                 self.compare(&target, &format!("{moment}: its folder"))?;
             }
+        } else {
+            // What is there may be a part, and says so.
+            self.asked += 1;
         }
         let (code, error) =
             ended(place.command(self.work, &output, is_there && !self.work.resumes))?;

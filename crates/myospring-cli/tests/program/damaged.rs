@@ -106,6 +106,7 @@ const ROWS: &[Row] = &[
     ("cell.geojson", Made(|| b"[".repeat(200_000)), OUTLINE, 2, &["not GeoJSON"]),
     ("rois.zip", Made(|| [&b"PK\x05\x06"[..], &[0; 10]].concat()), "mesh rois.zip --pixel-size 0.5um", 2, &["`rois.zip`"]),
     // Run files.
+    ("run.toml", Made(|| "a = [".repeat(100_000).into_bytes()), RUN, 2, &["run.toml", "line 1: more than 64 brackets are open here"]),
     ("run.toml", All("[shape\nspacing = \"5 um\""), RUN, 2, &["run.toml, line 1, column 7", "unclosed table"]),
     ("run.toml", All("[shape]\nspacing = \"5\0 um\"\n"), RUN, 2, &["`run.toml` is not a text file"]),
     ("run.toml", All("[stimulus]\namplitude = inf\n"), RUN, 2, &["`stimulus.amplitude` = inf is not a finite number"]),

@@ -12,6 +12,7 @@
 //! once, whose factors are multiplied.
 
 use super::factor::Factor;
+use crate::settings::read_toml;
 use crate::units::{self, Dimension, UnitError};
 use serde::Deserialize;
 use std::fmt::Write as _;
@@ -269,7 +270,7 @@ fn several(number: usize, block: toml::Value, drugs: &[Drug]) -> Result<Dose, Do
 }
 
 fn table(text: &str) -> Result<toml::Table, DoseError> {
-    toml::from_str(text).map_err(|error: toml::de::Error| {
+    read_toml(text).map_err(|error| {
         let before = error.span().map_or(0, |span| span.start).min(text.len());
         let line = text.get(..before).unwrap_or_default().matches('\n').count() + 1;
         DoseError::Syntax { line, reason: error.message().to_owned() }

@@ -5,7 +5,7 @@ use super::file::{RunFile, from_toml, to_toml};
 use super::rules;
 use crate::cell_files::Choices;
 use crate::settings::{
-    Failure, FromFile, Models, Problem, Run, Setting, Value, find, table, tables,
+    Failure, FromFile, Models, Problem, Run, Setting, Value, find, read_toml, table, tables,
 };
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -77,8 +77,8 @@ impl Reader {
             key: String::new(),
             problem: Problem::Syntax { reason: error.message().to_owned() },
         };
+        let table: Table = read_toml(text).map_err(|error| failed(&error))?;
         let spans = DeTable::parse(text).map_err(|error| failed(&error))?;
-        let table: Table = toml::from_str(text).map_err(|error| failed(&error))?;
         self.note("", spans.get_ref());
         self.table = table;
         (self.file, self.text) = (file.to_owned(), text.to_owned());

@@ -8,7 +8,7 @@ use crate::cell::solve::CellMethod;
 use crate::interruption::Interruption;
 use crate::measured::decoded;
 use crate::run_file::{RunFile, RunFileError};
-use crate::settings::{Models, Named, NumericSetting, Run, Value};
+use crate::settings::{Models, Named, NumericSetting, Run, Value, read_toml};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
@@ -221,7 +221,7 @@ impl ParameterStudy {
         models: Models,
         read: impl Fn(&str) -> io::Result<Vec<u8>>,
     ) -> Result<Self, ParameterStudyError> {
-        let written: Written = toml::from_str(text)?;
+        let written: Written = read_toml(text)?;
         let read_text = |what, path: &str| {
             let failed = |cause| ParameterStudyError::Read { what, path: path.to_owned(), cause };
             let bytes = read(path).map_err(failed)?;
