@@ -22,7 +22,7 @@ const DEEPEST: usize = 64;
 pub fn read_toml<T: DeserializeOwned>(text: &str) -> Result<T, toml::de::Error> {
     match too_deep(text) {
         Some((at, what)) => {
-            let line = text.as_bytes()[..at].iter().filter(|&&byte| byte == b'\n').count() + 1;
+            let line = text[..at].matches('\n').count() + 1;
             Err(toml::de::Error::custom(format!("line {line}: {what}")))
         }
         None => toml::from_str(text),
