@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Without a reader each is tried for so long; 10 s unless stated. An input is made of a small file by one to four changes that the seed and
-//! its number determine: bits, bytes and numbers, pieces that are gone, twice there or of another file. `--only` makes but the input of this
-//! number, writes it down and reads it. An input of at most 1 MB that takes more than 2 s (`--limit SECONDS` for a build that is not
+//! its number determine: bits, bytes and numbers, pieces that are gone, twice there or of another file. `--only` makes one input, by its
+//! number, saves and reads it. An input of at most 1 MB that takes more than 2 s (`--limit SECONDS` for a build that is not
 //! optimised) or 500 MB, or makes the reader panic, is a fault, and is kept in `target/foreign_bytes`. A process that ends early has left the
 //! number of its input there, in `READER.number`.
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program of its own")]

@@ -73,7 +73,7 @@ pub(crate) fn tidies() {
     TIDIES.store(true, Ordering::SeqCst);
 }
 
-/// The signals that ask for an end: Ctrl-C, SIGTERM, and where there is one that of a terminal that is closed.
+/// The signals that ask for an end: Ctrl-C, SIGTERM and, on Unix, SIGHUP, which a closed terminal sends.
 fn signals() -> impl Iterator<Item = i32> {
     #[cfg(unix)]
     let closed = (!is_ignored(signal_hook::consts::SIGHUP)).then_some(signal_hook::consts::SIGHUP);
@@ -82,7 +82,7 @@ fn signals() -> impl Iterator<Item = i32> {
     [SIGINT, SIGTERM].into_iter().chain(closed)
 }
 
-/// Whether who started the program lets it ignore a signal, as `nohup` does; where the system does not tell, it is taken to be so.
+/// Whether the program was started with this signal ignored, as `nohup` does for SIGHUP. True where the system does not tell (macOS).
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

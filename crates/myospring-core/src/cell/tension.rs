@@ -109,7 +109,7 @@ impl Tension {
     )]
     pub fn rates(&self, u: f64, ta_i: f64, ta: f64) -> [f64; 2] {
         let Self { c_0, x_1, x_2, x_3, sigma, u_rest, u_peak } = *self;
-        // Quotients of constants are apart from what changes, so that many cells make them but once.
+        // A loop over cells makes the quotients of constants once.
         let v = (u - u_rest) * (1.0 / (u_peak - u_rest));
         // (34) k(V) = exp(-((V - 1) / sigma)^2 / 2) / (sigma sqrt(2 pi))
         let z = (v - 1.0) * (1.0 / sigma);

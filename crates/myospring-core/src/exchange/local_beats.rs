@@ -63,7 +63,7 @@ impl Followed {
         let pieces = potentials.chunks(PIECE).zip(self.before.chunks_mut(PIECE));
         let pieces = pieces.zip(self.highest.chunks_mut(PIECE)).enumerate();
         for (piece, ((potentials, before), highest)) in pieces {
-            // In most pieces nothing begins or ends, which is seen without a branch for each node.
+            // In most pieces no beat begins or ends; one test without branches shows that for all their nodes.
             let nodes = potentials.iter().zip(&*before).zip(&*highest);
             let happens = nodes.fold(false, |any, ((&after, &before), &highest)| {
                 any | ((before <= level) & (after > level)) | (after <= low(highest))

@@ -1,4 +1,4 @@
-//! TOML of any origin. What is nested deeper than a parser's stack goes is refused before it is parsed.
+//! TOML from anyone. The parser would overflow its stack on text that is nested very deep, so such text is refused first.
 
 use serde::de::{DeserializeOwned, Error as _};
 
@@ -8,7 +8,7 @@ const DEEPEST: usize = 64;
 /// Reads TOML.
 ///
 /// # Errors
-/// Text that is not TOML or not of this type, or in which more than 64 brackets are open at a time.
+/// Text that is not TOML or not of this type, or with more than 64 open brackets or a key of more than 64 parts.
 ///
 /// # Example
 /// ```

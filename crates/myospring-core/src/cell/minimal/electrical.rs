@@ -18,7 +18,7 @@ fn rise(x: f64) -> f64 {
     1.0 / (1.0 + exponential::exp(-2.0 * x))
 }
 
-/// `1 / ((1 - H(x)) first + H(x) second)`. For many cells the three quotients are made once: a division takes as long as ten other operations.
+/// `1 / ((1 - H(x)) first + H(x) second)`. None of the three divisions depends on `x`, so a loop over cells makes them once.
 #[inline(always)]
 fn one_over_step(x: f64, first: f64, second: f64) -> f64 {
     let at_or_below = if x < 0.0 { 1.0 / first } else { 1.0 / (0.5 * (first + second)) };
@@ -28,7 +28,7 @@ fn one_over_step(x: f64, first: f64, second: f64) -> f64 {
 /// `1 / (first + (second - first) (1 + tanh(x)) / 2)` with one division: `(1 + e) / (first e + second)` with `e = exp(-2 x)`.
 #[inline(always)]
 fn one_over_rise(x: f64, first: f64, second: f64) -> f64 {
-    // Beyond this nothing changes any more, and products of larger exponentials are no numbers.
+    // A larger exponent changes nothing, and its exponential times a time constant could overflow.
     let exponent = if x > -150.0 { -2.0 * x } else { 300.0 };
     let e = exponential::exp(exponent);
     (1.0 + e) / (first * e + second)
@@ -133,7 +133,7 @@ pub(in crate::cell) fn rows(values: &[(&'static str, f64, &'static str)]) -> Vec
 impl Electrical {
     /// `du/dt`, `dv/dt`, `dw/dt`, `ds/dt`, 1/ms, without stimulus.
     ///
-    /// Source: `bueno_orovio_2008`, printed as `coelho_2021`, Eqs. (18)-(31). Quotients of constants are made apart from what changes.
+    /// Source: `bueno_orovio_2008`, printed as `coelho_2021`, Eqs. (18)-(31). A loop over cells makes the quotients of constants once.
     #[inline(always)]
     pub fn rates(&self, u: f64, v: f64, w: f64, s: f64) -> [f64; 4] {
         let Self { u_o, u_u, theta_v, theta_w, theta_v_minus, theta_o, .. } = *self;

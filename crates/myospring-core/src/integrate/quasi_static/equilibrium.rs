@@ -56,7 +56,7 @@ const NEARLY: f64 = 1e-3;
 const FALLS: f64 = 0.3;
 /// Most corrections with an old factor.
 const MOST_USES: usize = 20;
-/// After at most so many the factor serves the next equilibrium, too.
+/// A factor that took more corrections than this is made anew for the next equilibrium.
 const FEW_USES: usize = 8;
 /// Most equilibria that a factor serves: a new one shows that they are stable.
 const MOST_SERVED: usize = 10;
