@@ -11,7 +11,7 @@ import { folder, myospring } from "./program.js";
 /** @import { BrowserContextOptions, Page } from "playwright-core" */
 
 test("it opens from disk, beats the built-in cell and says its numbers, without a network", async () => {
-  await opened({}, async (page) => {
+  await opened({ reducedMotion: "no-preference" }, async (page) => {
     assert.equal(await tile(page, "peak shortening"), "12.01 %");
     assert.equal(await page.locator("#failure").isVisible(), false);
     await shot(page, "desktop");
@@ -22,7 +22,7 @@ test("it opens from disk, beats the built-in cell and says its numbers, without 
 });
 
 test("each slider changes the beat, which goes on where it was", async () => {
-  await opened({}, async (page) => {
+  await opened({ reducedMotion: "no-preference" }, async (page) => {
     await page.locator("#play").click();
     const stood = await page.locator("#clock").textContent();
     await slide(page, "peak tension", "PageDown");
