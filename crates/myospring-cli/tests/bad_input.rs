@@ -125,7 +125,7 @@ const CASES: &[(&[&str], &[&str])] = &[
     (&["run", "--thickness", "-3 um"], &["-3 um is outside its bounds, above 0 um"]),
     (
         &["run", "--time-step", "0.1 ms"],
-        &["time step 0.1 ms exceeds the stability limit 0.00", "smaller step"],
+        &["time step 0.1 ms exceeds the stability limit 0.0", "smaller step"],
     ),
     (
         &["run", "--peak-tension", "50 mV"],

@@ -37,6 +37,7 @@ mod in_time;
 mod observer;
 mod outcome;
 mod pace;
+mod period;
 mod quasi_static;
 mod ready;
 mod setup;

@@ -40,7 +40,7 @@ def film(tmp_path_factory) -> str:
     return str(folder)
 
 
-GIVEN = {"pixel_size_um": 0.25, "frame_rate_per_s": 40, "spacing_um": 1.25}
+GIVEN = {"pixel_size_um": 0.25, "frame_rate_per_s": 40, "spacing_um": 2}
 
 
 @pytest.fixture(scope="module")

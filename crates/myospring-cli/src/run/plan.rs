@@ -94,7 +94,7 @@ fn rows(plan: &Plan<'_>, run: &Run) -> Vec<(&'static str, String)> {
     rows.retain(|(name, value)| *name != "peak tension" || value != plan.model);
     rows.extend(plan.fibres.map(|fibres| ("fibres", fibres.to_string())));
     match plan.effort {
-        Effort::Verlet { time_step_ms, stability_limit_ms, steps } => rows.extend([
+        Effort::Verlet { time_step_ms, stability_limit_ms, steps, .. } => rows.extend([
             ("integrator", "Verlet, in time".to_owned()),
             ("time step", format!("{time_step_ms:.4} ms")),
             ("stability limit", format!("{stability_limit_ms:.4} ms")),

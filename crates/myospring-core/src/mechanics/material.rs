@@ -63,14 +63,18 @@ pub struct Material {
     pub fibre_modulus: f64,
     /// Ratio xi of the axial dashpots to critical damping, Eq. (9); dimensionless.
     pub damping_ratio: f64,
-    /// Period of the slowest vibration along the cell, ms; sets the (numerical) density.
-    pub slowest_period: f64,
+    /// Period of the slowest vibration along the cell, ms; sets the (numerical) density. `None`: a run in time takes the longest
+    /// with which it lags little behind its equilibria, and anything else 2 ms.
+    pub slowest_period: Option<f64>,
     /// Damping ratio of that slowest vibration by drag; dimensionless.
     pub drag_ratio: f64,
     /// Retardation time tau of the cell as a Kelvin-Voigt solid, ms: its viscous forces are tau
     /// times the rate of its elastic ones. Only along the path of equilibria; 0 for none.
     pub retardation_time: f64,
 }
+
+/// Period of the slowest vibration where nothing speaks for another, ms.
+pub(crate) const USUAL_PERIOD: f64 = 2.0;
 
 /// The default material: shortening 12 % at 50 kPa on the built-in cell (`coelho_2021`, Fig. 6) and
 /// the widening that conserves the cell's volume.
@@ -86,7 +90,7 @@ pub fn default_material() -> Material {
         poisson_ratio: 0.49,
         fibre_modulus: 0.0,
         damping_ratio: 0.05,
-        slowest_period: 2.0,
+        slowest_period: None,
         drag_ratio: 0.3,
         retardation_time: 0.0,
     }
@@ -152,9 +156,14 @@ impl Material {
         self.young_modulus() * PI * PI / 12.0 * (width / length).powi(2)
     }
 
+    /// Period of the slowest vibration, ms: that which is set, or the usual one.
+    fn period(&self) -> f64 {
+        self.slowest_period.unwrap_or(USUAL_PERIOD)
+    }
+
     /// Numerical density for a cell of this length (um), ug/um^3.
     pub fn density(&self, length: f64) -> f64 {
-        self.young_modulus() * (self.slowest_period / (2.0 * length)).powi(2)
+        self.young_modulus() * (self.period() / (2.0 * length)).powi(2)
     }
 
     /// Stiffness of a full spring, nN/um.
@@ -272,7 +281,7 @@ fn joined<const D: usize, const N: usize>(
     [keeping, active]: [Box<dyn Force<D>>; 2],
 ) -> (Body<D>, System<D>) {
     let body = Body::at_rest(mesh, material.density(length), thickness);
-    let drag = Drag::of_slowest_mode(material.slowest_period, material.drag_ratio, &body.masses);
+    let drag = Drag::of_slowest_mode(material.period(), material.drag_ratio, &body.masses);
     let mut passive: Vec<Box<dyn Force<D>>> =
         vec![Box::new(material.springs(mesh, &body.masses)), keeping];
     if let Some(anchors) = support.anchors(mesh, axis) {

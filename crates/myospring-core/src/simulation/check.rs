@@ -254,7 +254,9 @@ impl Simulation {
         value("the thickness", material.thickness, "um", true)?;
         value("the area modulus", material.area_modulus, "kPa", false)?;
         value("the damping ratio", material.damping_ratio, "", false)?;
-        value("the slowest period", material.slowest_period, "ms", true)?;
+        if let Some(period) = material.slowest_period {
+            value("the slowest period", period, "ms", true)?;
+        }
         value("the drag ratio", material.drag_ratio, "", false)?;
         value("the retardation time", material.retardation_time, "ms", false)?;
         match self.support {

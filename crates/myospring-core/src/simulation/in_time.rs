@@ -7,6 +7,7 @@ use super::held::Held;
 use super::observer::{Progress, RunObserver, Samples};
 use super::outcome::{Effort, Outcome};
 use super::setup::Setup;
+use super::shared_cell::SharedCell;
 use super::space::Space;
 use super::{SAFETY, SetupError, Simulation, StopReason};
 use crate::exchange::Sites;
@@ -16,6 +17,7 @@ use crate::mechanics::stability::StabilityLimit;
 use crate::mechanics::{Body, System, Tension, Vectors};
 use crate::mesh::Place;
 use crate::recording::Recording;
+use std::sync::Arc;
 
 /// Steps times masses between checks for an interruption: less than half a second.
 const STEPS_OF_MASSES: usize = 10_000_000;
@@ -52,7 +54,11 @@ impl Simulation {
     where
         Self: Space<D, N>,
     {
-        let setup = self.set_up()?;
+        self.check()?;
+        let known = SharedCell::of(self);
+        let chosen = self.with_period(&known)?;
+        let assembly = Arc::new(chosen.assembled_at_rest()?);
+        let setup = chosen.set_up_on(assembly, &known)?;
         let (system, body) = (&setup.assembly.system, &setup.assembly.body);
         let limit = setup.under_strongest(|tension| {
             StabilityLimit::of_interruptible(system, body, tension, &self.interruption)
@@ -127,9 +133,18 @@ where
             }
         };
         let (time_step_ms, stability_limit_ms) = (self.time_step(), self.limit.time_step);
-        let effort = match self.engine {
-            EngineUsed::Own => Effort::OwnStepper { time_step_ms, stability_limit_ms, steps },
-            _ => Effort::Verlet { time_step_ms, stability_limit_ms, steps },
+        let simulation = &self.setup.simulation;
+        let is_even = self.setup.sites() == Sites::Whole;
+        let effort = if self.engine == EngineUsed::Own {
+            Effort::OwnStepper { time_step_ms, stability_limit_ms, steps }
+        } else {
+            Effort::Verlet {
+                time_step_ms,
+                stability_limit_ms,
+                steps,
+                slowest_period_ms: simulation.material.slowest_period,
+                lag_pct: simulation.lag_pct(&recording.samples).filter(|_| is_even),
+            }
         };
         let (engine, stimulus_times_ms) = (Some(self.engine.clone()), self.setup.stimulus_times());
         let s2_ms = self.setup.s2_ms();

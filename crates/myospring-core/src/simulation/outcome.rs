@@ -52,6 +52,13 @@ pub enum Effort {
         stability_limit_ms: f64,
         /// Mechanical steps made.
         steps: u64,
+        /// Period of the slowest vibration, ms, which the numerical mass sets.
+        #[serde(default)]
+        slowest_period_ms: Option<f64>,
+        /// By how much the shortening is off that of the equilibria at most, as estimated, % of its peak; `None` if the tension
+        /// differs from place to place.
+        #[serde(default)]
+        lag_pct: Option<f64>,
     },
     /// In time, by a custom stepper.
     OwnStepper {

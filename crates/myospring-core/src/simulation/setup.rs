@@ -117,7 +117,7 @@ impl Simulation {
     }
 
     /// The activation, and its strength relative to that which is scaled to the peak tension.
-    fn activation<const D: usize, const N: usize>(
+    pub(super) fn activation<const D: usize, const N: usize>(
         &self,
         known: &SharedCell,
         volumes: &[f64],
@@ -238,7 +238,7 @@ impl Simulation {
     }
 
     /// Resting volume of each triangle times its content of myofibrils, up to the thickness, um^2; of a tetrahedron um^3.
-    fn volumes<const D: usize, const N: usize>(&self) -> Vec<f64>
+    pub(super) fn volumes<const D: usize, const N: usize>(&self) -> Vec<f64>
     where
         Self: Space<D, N>,
     {

@@ -553,12 +553,6 @@ impl Run {
                 self.duration
             ));
         }
-        if self.material.slowest_period > 2.0 && self.numerics.method.is_in_time() {
-            warnings.push(format!(
-                "slowest_period = {} ms is above 2 ms: inertia may be visible in the contraction",
-                self.material.slowest_period
-            ));
-        }
         warnings
     }
 }

@@ -146,13 +146,68 @@ fn halving_or_doubling_the_spacing_moves_the_peak_by_less_than_a_third_of_a_poin
 #[test]
 fn half_the_mass_gives_the_same_beat() {
     let beat = |slowest_period: f64| {
-        let material = Material { slowest_period, ..default_material() };
+        let material = Material { slowest_period: Some(slowest_period), ..default_material() };
         let mesh = built_in_cell(0.0, Some(2.4));
         let simulation = Simulation { material, ..Simulation::new(mesh) };
         peak_shortening(&run(&simulation))
     };
     let (heavy, light) = (beat(2.0), beat(2.0 * 0.5_f64.sqrt()));
     assert!((heavy.value / light.value - 1.0).abs() < 1e-3, "{heavy:?}, half the mass {light:?}");
+}
+
+/// Largest difference of the shortening in time from that along the path of equilibria, and the stated one, % of the peak.
+fn lag(simulation: &Simulation) -> [f64; 2] {
+    let path = simulation.run_quasi_static(Tolerance::default(), |_| true).unwrap();
+    let motion = run(simulation);
+    let pairs = path.recording.samples.iter().zip(&motion.recording.samples);
+    let differences = pairs.map(|(a, b)| (a.shortening_pct - b.shortening_pct).abs());
+    let peak = peak_shortening(&path).value;
+    let Effort::Verlet { lag_pct: Some(stated), .. } = motion.effort else { panic!("no lag") };
+    [100.0 * differences.fold(0.0, f64::max) / peak, stated]
+}
+
+#[test]
+#[ignore = "slow"]
+fn a_motion_lags_by_less_than_it_says_and_not_much_less() {
+    for model in ["coelho_2021", "bueno_orovio_2008_epi", "bueno_orovio_2008_m"] {
+        for support in [SupportKind::MassCentre, SupportKind::ClampedEnd] {
+            for slowest_period in [None, Some(4.0)] {
+                let mesh = built_in_cell(20.0, Some(4.0));
+                let material = Material { slowest_period, ..default_material() };
+                let cell = cell::model(model).unwrap();
+                let simulation = Simulation { material, cell, support, ..Simulation::new(mesh) };
+                let [lag, stated] = lag(&simulation);
+                assert!(
+                    lag < stated && stated < 3.0 * lag,
+                    "{model}, {support:?}, {slowest_period:?}: {lag} %, stated {stated} %"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_masses_are_as_heavy_as_the_tension_allows() {
+    let period = |change: fn(&mut Simulation)| {
+        let mut simulation = Simulation::new(built_in_cell(0.0, Some(5.0)));
+        change(&mut simulation);
+        let outcome = simulation.prepare().unwrap().run(|progress| progress.time < 1.0);
+        let Effort::Verlet { slowest_period_ms, .. } = outcome.effort else { panic!("in time") };
+        slowest_period_ms.unwrap()
+    };
+    let usual = period(|_| ());
+    assert!(usual > 4.0 && usual < 8.0, "{usual} ms");
+    // Of a tension that rises faster, and of one that is not known before the run.
+    assert_eq!(period(|it| it.cell = cell::model("bueno_orovio_2008_epi").unwrap()), 2.0);
+    assert_eq!(period(|it| it.cell = cell::model("land_2017").unwrap()), 2.0);
+    assert_eq!(period(|it| it.wave_speed = Some(50.0)), 2.0);
+    // More drag, or one end that is held, lags more.
+    let damped = period(|it| it.material.drag_ratio *= 2.0);
+    assert!(damped > 2.0 && damped < 0.6 * usual, "{damped} ms");
+    let held = period(|it| it.support = SupportKind::ClampedEnd);
+    assert!(held < 0.6 * usual, "{held} ms");
+    // What is set is kept.
+    assert_eq!(period(|it| it.material.slowest_period = Some(0.5)), 0.5);
 }
 
 #[test]
@@ -425,6 +480,11 @@ fn the_time_step_of_a_strong_cell_is_stable_at_its_own_peak() {
     let ratio = own.peak_tension / coelho_2021_peak();
     let stated =
         Simulation { peak_tension: 50.0 * ratio, ..Simulation::new(built_in_cell(0.0, Some(5.0))) };
+    // With masses as heavy.
+    let [strong, stated] = [strong, stated].map(|mut simulation| {
+        simulation.material.slowest_period = Some(2.0);
+        simulation
+    });
     let (a, b) = (strong.prepare().unwrap().limit, stated.prepare().unwrap().limit);
     assert!(ratio > 1.02 && a.time_step == b.time_step, "{ratio}, {a:?}, {b:?}");
 }
@@ -438,7 +498,7 @@ fn a_cell_that_swings_about_its_clamped_end_is_as_wide_as_a_free_one() {
         let fibre = [cosine * x - sine * y, sine * x + cosine * y];
         let fibres = vec![fibre; simulation.mesh.simplices.len()];
         // The swing of a clamped cell is slow; half the period keeps it along its equilibria.
-        let material = Material { slowest_period: 1.0, ..simulation.material.clone() };
+        let material = Material { slowest_period: Some(1.0), ..simulation.material.clone() };
         let simulation = Simulation { fibres, support, material, ..simulation };
         let equilibria = simulation.equilibria(&[50.0], Tolerance::default()).unwrap();
         let [rest, peak] = equilibria.follow(&[[0.0, 0.0], [1.0, 50.0]]).unwrap()[..] else {

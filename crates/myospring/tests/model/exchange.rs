@@ -347,7 +347,7 @@ fn the_same_relaxation_is_found_in_time() {
     for sites in both(&mesh) {
         let toy = Toy { per_rate: tau / compliance, ..Toy::new(sites, small, move |_, _| small) };
         let mut simulation = beat(mesh.clone(), toy, IN_TIME, 6.0);
-        simulation.material.slowest_period = 0.2;
+        simulation.material.slowest_period = Some(0.2);
         simulation.material.damping_ratio = 0.0;
         simulation.numerics.exchange_interval = exchange;
         simulation.numerics.output_interval = 0.5;

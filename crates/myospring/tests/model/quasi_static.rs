@@ -287,7 +287,7 @@ fn where_there_is_no_path_the_message_names_what_to_use() {
 
 /// Shortening in time, %, with a period of the slowest vibration in ms.
 fn in_time(mesh: &Mesh, slowest_period: f64) -> Vec<f64> {
-    let material = Material { slowest_period, ..default_material() };
+    let material = Material { slowest_period: Some(slowest_period), ..default_material() };
     let simulation = Simulation { material, ..Simulation::new(mesh.clone()) };
     let outcome = simulation.prepare().unwrap().run(|_| true);
     assert_eq!(outcome.stop, None);

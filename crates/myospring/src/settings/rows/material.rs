@@ -94,11 +94,11 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "material.slowest_period",
-        "Period of the slowest vibration along the cell; sets the numerical density. Above 2 ms \
-         the contraction is no longer quasi-static.",
+        "Period of the slowest vibration along the cell; sets the numerical density. Unless it is set, a run in time takes \
+         the longest from 2 to 8 ms with which its shortening lags by at most 1 % of its peak.",
         Bounds::any(Dimension::Time, "2 ms").from(0.01).to(100.0),
-        |run| Some(run.material.slowest_period),
-        |run, period| run.material.slowest_period = period,
+        |run| run.material.slowest_period,
+        |run, period| run.material.slowest_period = Some(period),
     ),
     Setting::quantity(
         "material.drag_ratio",
