@@ -36,6 +36,8 @@ use super::stepper::StepError;
 use crate::mechanics::support::Support;
 use crate::mechanics::{Body, System, Vectors};
 use crate::mesh::Lattice;
+// Taken from here by `bands`, in whose place `loom` puts its own.
+use std::sync::atomic;
 use team::Team;
 use tiles::Command;
 

@@ -14,8 +14,8 @@
 //! Bands are not assigned to threads: any thread may take an available band, so a thread that the
 //! system suspends delays the others by at most the one piece that it has begun.
 
+use super::atomic::{AtomicU64, Ordering};
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Twice the number of completed sweeps of a band, plus one while a thread works on the next; or
 /// [`BROKEN`]. It has its own cache line.

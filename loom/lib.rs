@@ -1,0 +1,1 @@
+//! The model is in `tests/claims.rs`.
