@@ -84,7 +84,7 @@ impl Simulation {
     }
 
     /// The same with a period of the slowest vibration: where none is set, the longest with which a run in time lags little. It is
-    /// the usual one where the tension hangs on the stretch or on the place, so that it is not known before the run.
+    /// the usual one where the tension depends on the stretch or the place and so is not known before the run.
     pub(super) fn with_period<const D: usize, const N: usize>(
         &self,
         known: &SharedCell,
