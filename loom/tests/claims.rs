@@ -83,7 +83,7 @@ impl Lattice {
     }
 }
 
-/// Every order of the steps of the threads with at most so many interruptions of a running one.
+/// Runs the threads in every order of their steps. A running thread is interrupted at most so many times.
 fn in_every_order(interruptions: usize, of: impl Fn() + Sync + Send + 'static) {
     let mut builder = loom::model::Builder::new();
     builder.preemption_bound = Some(interruptions);

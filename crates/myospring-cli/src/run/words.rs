@@ -208,7 +208,7 @@ pub(super) fn in_words(effort: &Effort) -> String {
         }
         Effort::Verlet { time_step_ms, stability_limit_ms, steps, lag_pct, .. } => {
             let lag = lag_pct.map_or_else(String::new, |lag| {
-                format!("; lags its equilibria by at most {lag:.1} % of the peak")
+                format!("; it lags its equilibria by an estimated {lag:.1} % of the peak")
             });
             format!(
                 "Verlet: {steps} steps of {time_step_ms:.4} ms, stable up to {stability_limit_ms:.4} ms{lag}"

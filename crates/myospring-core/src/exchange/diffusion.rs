@@ -17,8 +17,8 @@ use std::ops::Range;
 /// Rounds at most, and the part of the rest that ends them.
 const ROUNDS: usize = 1000;
 const LEFT: f64 = 1e-12;
-/// A step shorter than this part of the fastest time constant takes the series: at least two terms, and so many that the next one is at most
-/// `LAST` of the fastest mode.
+/// A step shorter than this part of the fastest time constant takes the series. It has two terms or more: the first term left out changes the
+/// fastest mode by `LAST` of it at most.
 const SHORT: f64 = 1.0;
 const LAST: f64 = 1.0 / 24.0;
 /// A difference that is smaller relative to the terms is rounding.

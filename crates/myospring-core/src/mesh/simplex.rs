@@ -30,9 +30,7 @@ pub fn measure_at<const D: usize, const N: usize>(
     measure_of::<D, N>(|corner, axis| positions[axis][nodes[corner] as usize])
 }
 
-// Called for every triangle in every exchange interval; a call costs as much as the measure.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "measured: a tenth of a default beat")]
+#[inline]
 fn measure_of<const D: usize, const N: usize>(at: impl Fn(usize, usize) -> f64) -> f64 {
     const { assert!(N == D + 1 && (D == 2 || D == 3), "triangles and tetrahedra") };
     let edge = |k: usize, axis: usize| at(k, axis) - at(0, axis);

@@ -56,7 +56,7 @@ pub enum Effort {
         #[serde(default)]
         slowest_period_ms: Option<f64>,
         /// By how much the shortening is off that of the equilibria at most, as estimated, % of its peak; `None` if the tension
-        /// differs from place to place.
+        /// differs from place to place, or dashpots are stronger than those of the default material.
         #[serde(default)]
         lag_pct: Option<f64>,
     },

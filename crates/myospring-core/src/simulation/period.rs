@@ -16,7 +16,7 @@ use super::space::Space;
 use super::{SetupError, Simulation};
 use crate::exchange::StretchState;
 use crate::mechanics::drag::Drag;
-use crate::mechanics::material::USUAL_PERIOD;
+use crate::mechanics::material::{USUAL_PERIOD, default_material};
 use crate::recording::Sample;
 use std::f64::consts::TAU;
 
@@ -67,8 +67,12 @@ fn longest(lag: impl Fn(f64) -> Option<f64>) -> Option<f64> {
 }
 
 impl Simulation {
-    /// How far the shortening is off its equilibria at most with a period of the slowest vibration (ms), as a part of its peak.
+    /// How far the shortening is off its equilibria at most with a period of the slowest vibration (ms), as a part of its peak;
+    /// `None` if nothing pulls, or if dashpots stronger than those of the default material delay it, too.
     fn lag(&self, course: &Course, period: f64) -> Option<f64> {
+        if self.material.damping_ratio > default_material().damping_ratio {
+            return None;
+        }
         let drag = Drag::of_slowest_mode(period, self.material.drag_ratio, &[]);
         // That of a free cell is half a wave; of a cell that is held at one end a quarter.
         let one_end = self.support.clamps() && !self.support.holds_both_ends();
