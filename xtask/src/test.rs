@@ -6,11 +6,12 @@ mod web_page;
 
 use crate::page;
 use crate::python::{self, Python};
-use crate::tools::{cargo, program, root, say, step, temporary};
+use crate::tools::{cargo, program, root, say, step, step_in_one_piece, target, temporary};
 use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tally::Tally;
 
@@ -19,6 +20,9 @@ use tally::Tally;
 struct Checks {
     /// Whether tests take every case of their large grids.
     all_cases: bool,
+    /// Whether others are made meanwhile: then cargo builds in a folder of its own, which nobody else locks, and what a check prints is
+    /// shown in one piece.
+    beside: bool,
     passed: usize,
     failed: usize,
     /// Name of a check, what it lacks and how to get it.
@@ -39,17 +43,23 @@ Makes all checks, also after one that fails; what failed stands at the end.
 
 /// Makes all checks, or the quick ones.
 pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
-    let chosen: &[Check] = match arguments {
-        [] => return Checks::default().make_all(),
-        [one] if one == "--full" => {
-            return Checks { all_cases: true, ..Checks::default() }.make_all();
+    match arguments {
+        [] => Checks::default().make_all(),
+        [one] if one == "--full" => Checks { all_cases: true, ..Checks::default() }.make_all(),
+        [one] if one == "--quick" => {
+            let mut checks = Checks::default();
+            let beside = checks.beside(&[Checks::lints]);
+            let mut failures = checks.make(&Checks::QUICK);
+            failures.extend(checks.join(beside));
+            checks.end(&failures)
         }
-        [one] if one == "--quick" => &Checks::QUICK,
-        _ => return Err(HELP.to_owned()),
-    };
-    let mut checks = Checks::default();
-    let failures = checks.make(chosen);
-    checks.end(&failures)
+        _ => Err(HELP.to_owned()),
+    }
+}
+
+/// Where checks build that are made beside others.
+fn folder_beside() -> PathBuf {
+    target().join("beside")
 }
 
 /// Environments of Python, tools of the page and browsers.
@@ -71,15 +81,43 @@ const PACKAGE: Environment =
 /// A check, or several that need each other.
 type Check = fn(&mut Checks) -> Result<(), String>;
 
+/// Checks that are made beside others; in the end, what they found and what failed.
+type Beside = JoinHandle<(Checks, Vec<String>)>;
+
 impl Checks {
     fn make_all(mut self) -> Result<(), String> {
         // Downloads and installations take their time while the first checks compile; what fails here is said where it is needed.
         let ready = std::thread::spawn(prepare);
+        let beside = self.beside(&Self::BESIDE);
         let (first, others) = Self::ALL.split_at(Self::WITHOUT_TOOLS);
         let mut failures = self.make(first);
         ready.join().ok();
         failures.extend(self.make(others));
+        failures.extend(self.join(beside));
+        // With the engine, which is built beside the others.
+        failures.extend(self.make(&[Self::web]));
         self.end(&failures)
+    }
+
+    /// Begins to make checks that share nothing with those to come.
+    fn beside(&self, chosen: &'static [Check]) -> Beside {
+        let mut checks = Self { all_cases: self.all_cases, beside: true, ..Self::default() };
+        std::thread::spawn(move || {
+            let failures = checks.make(chosen);
+            (checks, failures)
+        })
+    }
+
+    /// Waits for checks that are made beside; what failed of them.
+    fn join(&mut self, beside: Beside) -> Vec<String> {
+        let Ok((checks, failures)) = beside.join() else {
+            return vec!["the checks beside the tests ended by a panic".to_owned()];
+        };
+        self.passed += checks.passed;
+        self.failed += checks.failed;
+        self.skipped.extend(checks.skipped);
+        self.times.extend(checks.times);
+        failures
     }
 
     /// Makes checks; what failed.
@@ -95,10 +133,9 @@ impl Checks {
         Err(format!("failed:\n   {}", failures.join("\n   ")))
     }
 
-    /// What finds most mistakes in minutes.
-    const QUICK: [Check; 4] = [
+    /// What finds most mistakes in minutes, with the lints beside.
+    const QUICK: [Check; 3] = [
         Self::format,
-        Self::lints,
         |checks| {
             let mut tests = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
             checks.tests("tests that are not slow", tests.arg("--tests"))
@@ -107,13 +144,10 @@ impl Checks {
     ];
 
     /// How many of the first checks need no tools but the compiler.
-    const WITHOUT_TOOLS: usize = 7;
+    const WITHOUT_TOOLS: usize = 6;
 
-    /// All checks, cheapest first.
-    const ALL: [Check; 13] = [
-        Self::format,
-        Self::workflows,
-        Self::licences,
+    /// What is built for itself: compilers and tests leave a part of two cores idle, which these fill.
+    const BESIDE: [Check; 4] = [
         Self::lints,
         |checks| {
             let mut doc =
@@ -121,6 +155,22 @@ impl Checks {
             doc.env("RUSTDOCFLAGS", "-D warnings");
             checks.step("documentation", doc)
         },
+        // What it does without them it does with them, too: only that it compiles is left to check. Tests ask for `testing` of the
+        // core, other crates for more of what it depends on.
+        |checks| {
+            let mut bare = cargo(["check", "-p", "myospring-core", "-p", "myospring", "--locked"]);
+            bare.args(["--no-default-features", "--lib"]);
+            checks.step("the library without its features", bare)?;
+            checks.step("the core alone", cargo(["check", "-p", "myospring-core", "--locked"]))
+        },
+        Self::engine,
+    ];
+
+    /// The others, cheapest first.
+    const ALL: [Check; 9] = [
+        Self::format,
+        Self::workflows,
+        Self::licences,
         // Examples and benchmarks are not linked: the lints have compiled them.
         |checks| {
             let mut tests = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
@@ -134,15 +184,6 @@ impl Checks {
         Self::results,
         Self::page,
         Self::package,
-        // What it does without them it does with them, too: only that it compiles is left to check. Tests ask for `testing` of the
-        // core, other crates for more of what it depends on.
-        |checks| {
-            let mut bare = cargo(["check", "-p", "myospring-core", "-p", "myospring", "--locked"]);
-            bare.args(["--no-default-features", "--lib"]);
-            checks.step("the library without its features", bare)?;
-            checks.step("the core alone", cargo(["check", "-p", "myospring-core", "--locked"]))
-        },
-        Self::web,
     ];
 
     fn format(&mut self) -> Result<(), String> {
@@ -273,7 +314,12 @@ impl Checks {
             command.env("MYOSPRING_ALL_CASES", "1");
         }
         let start = Instant::now();
-        let outcome = step(name, command);
+        let outcome = if self.beside {
+            command.env("CARGO_TARGET_DIR", folder_beside());
+            step_in_one_piece(name, command)
+        } else {
+            step(name, command)
+        };
         self.times.push((name.to_owned(), start.elapsed()));
         match outcome {
             Ok(()) => self.passed += 1,

@@ -21,6 +21,24 @@ pub(crate) fn step(name: &str, mut command: Command) -> Result<(), String> {
     Ok(())
 }
 
+/// As [`step`]; what the command prints is shown in one piece, after its end.
+pub(crate) fn step_in_one_piece(name: &str, mut command: Command) -> Result<(), String> {
+    let start = Instant::now();
+    let output = command.output().map_err(|error| format!("{name}: {error}"))?;
+    let [printed, said] =
+        [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    let outcome = if output.status.success() {
+        format!("-- {name}: {:.0} s\n", start.elapsed().as_secs_f64())
+    } else {
+        String::new()
+    };
+    say(&format!("\n== {name}\n\n{printed}{said}{outcome}"));
+    if outcome.is_empty() {
+        return Err(format!("{name} failed ({})", output.status));
+    }
+    Ok(())
+}
+
 /// A program of the workspace as built: `debug` has what the tests have built.
 pub(crate) fn program(profile: &str, name: &str) -> PathBuf {
     target().join(profile).join(format!("{name}{}", std::env::consts::EXE_SUFFIX))

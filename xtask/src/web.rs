@@ -1,7 +1,7 @@
 //! `cargo xtask web`: the page, one HTML file with the engine inside.
 
 use crate::tools::{cargo, root, say, step, target};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
@@ -12,7 +12,8 @@ const LARGEST: u64 = 4_000_000;
 pub(crate) fn run() -> Result<(), String> {
     toolchain()?;
     let around = cargo(["run", "--quiet", "-p", "myospring-web", "--locked", "--"]);
-    let (_, page) = build("web", around)?;
+    step("the engine", engine("web"))?;
+    let (_, page) = page("web", &target(), around)?;
     let size = std::fs::metadata(&page).map_or(0, |file| file.len());
     say(&format!("{}: {:.2} MB\n", page.display(), size as f64 / 1e6));
     if size > LARGEST {
@@ -45,13 +46,21 @@ fn is_there() -> bool {
         .is_ok_and(|output| PathBuf::from(String::from_utf8_lossy(&output.stdout).trim()).is_dir())
 }
 
-/// Builds the engine by a profile, and by the program `around` the page around it; gives where they are.
-pub(crate) fn build(profile: &str, mut around: Command) -> Result<(PathBuf, PathBuf), String> {
+/// The command that builds the engine by a profile.
+pub(crate) fn engine(profile: &str) -> Command {
     let mut command =
         cargo(["build", "-p", "myospring-web", "-p", "myospring-unpack", "--lib", "--locked"]);
     command.args(["--profile", profile, "--target", TARGET]);
-    step("the engine", command)?;
-    let made = |name: &str| target().join(TARGET).join(profile).join(name);
+    command
+}
+
+/// Builds by the program `around` the page around the engine, which was built in a folder by a profile; gives where both are.
+pub(crate) fn page(
+    profile: &str,
+    built: &Path,
+    mut around: Command,
+) -> Result<(PathBuf, PathBuf), String> {
+    let made = |name: &str| built.join(TARGET).join(profile).join(name);
     let engine = made("myospring_web.wasm");
     let folder = target().join("web");
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;

@@ -1,12 +1,24 @@
 //! The page of a report: its source, and the page itself in Chromium.
 
-use super::Checks;
+use super::{Checks, folder_beside};
 use crate::page::{chromium, firefox, folder, installed, npm};
 use crate::tools::program;
 use crate::web;
 use std::process::Command;
 
+/// How the engine is built for tests.
+const PROFILE: &str = "engine";
+
 impl Checks {
+    /// The page's engine; not as it is shipped, which takes minutes.
+    pub(super) fn engine(&mut self) -> Result<(), String> {
+        match web::toolchain() {
+            Ok(()) => self.step("the engine", web::engine(PROFILE)),
+            // The checks that need it say so.
+            Err(_) => Ok(()),
+        }
+    }
+
     /// The page with the engine inside, and its numbers beside the program's.
     pub(super) fn web(&mut self) -> Result<(), String> {
         let names = ["the page", "the page: in Chromium", "the page: in Firefox"];
@@ -16,9 +28,9 @@ impl Checks {
             }
             return Ok(());
         }
-        // Not as it is shipped, which takes minutes.
         let around = Command::new(program("debug", "myospring-web"));
-        let (engine, page) = web::build("engine", around).inspect_err(|_| self.failed += 1)?;
+        let (engine, page) =
+            web::page(PROFILE, &folder_beside(), around).inspect_err(|_| self.failed += 1)?;
         let test = |files: &[&str]| {
             let mut command = tests(files);
             command.env("ENGINE", &engine).env("PAGE", &page);

@@ -254,9 +254,11 @@ impl Simulation {
         let assembly = Arc::clone(&branch.assembly);
         let enough = |path: &Path<'_, D>| {
             let [_, highest] = path.range();
-            let reached =
-                |shape| 1.0 - assembly.measure(&shape).length / assembly.held_length >= shortening;
-            path.positions(highest).is_none_or(reached)
+            path.positions(highest).is_none_or(|shape| {
+                let reached = 1.0 - assembly.measure(&shape).length / assembly.held_length;
+                // With held ends it does not shorten under any tension.
+                reached >= shortening || reached.abs() <= f64::EPSILON
+            })
         };
         let mut tension = FIRST_TENSION;
         branch.extend(self, |path| {

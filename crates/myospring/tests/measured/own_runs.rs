@@ -73,7 +73,7 @@ fn tolerance(name: &str, curve: &Curve, run: &[Metric]) -> f64 {
 #[ignore = "slow"]
 fn the_curves_of_every_models_run_measure_as_the_run_says() {
     let pulls = |model: &&Arc<dyn CellModel>| model.tension_kind() != TensionKind::None;
-    let mut sample = Sample::one_in(7);
+    let mut sample = Sample::one_in(11);
     for model in cell::models().iter().filter(|model| pulls(model)).map(|model| model.name()) {
         if sample.leaves_out() {
             continue;

@@ -133,7 +133,7 @@ fn missed_and_wrong(drawn: Drawn, colour: [f64; 3], lossy: Option<f64>) -> [usiz
 #[test]
 #[ignore = "slow"]
 fn marks_of_any_size_stroke_and_colour_are_painted_over_and_nothing_else() {
-    let mut sample = Sample::one_in(11);
+    let mut sample = Sample::one_in(17);
     let [white, yellow, red, cyan] =
         [[255.0; 3], [255.0, 255.0, 0.0], [255.0, 0.0, 0.0], [0.0, 200.0, 255.0]];
     for (height, half_stroke) in [(16.0, 1.3), (24.0, 2.0), (40.0, 3.5)] {
@@ -183,7 +183,7 @@ fn a_colour_picture_of_several_stains_has_no_marks() {
 #[test]
 #[ignore = "slow"]
 fn overexposed_stripes_are_no_marks_at_any_pixel_and_orientation() {
-    let mut sample = Sample::one_in(7);
+    let mut sample = Sample::one_in(11);
     for pixel_um in [0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0] {
         for turn_deg in [0.0, 5.0, 20.0, 50.0, 90.0] {
             // Along rows and columns of coarse pixels stripes are as crisp and straight as what is drawn.

@@ -198,7 +198,7 @@ fn a_known_cell_is_found_at_any_turn_magnification_and_unevenness() {
 #[test]
 #[ignore = "slow"]
 fn the_kind_of_a_picture_does_not_hang_on_how_much_of_the_frame_the_cell_covers() {
-    let mut sample = Sample::one_in(3);
+    let mut sample = Sample::one_in(5);
     // Side of the frame, um, pixel, um, and half the cell's width: 0.1 % of the frame to 80 %.
     for (field_um, pixel_um, half_width_um, taper) in [
         (1330.0, 1.3, 12.0, 0.6),

@@ -32,7 +32,7 @@ fn found(look: &Look, scene: &Scene, bodies: &[Body]) -> (Touching, Segmentation
 #[test]
 #[ignore = "slow"]
 fn single_cells_of_any_form_stay_whole() {
-    let mut sample = Sample::one_in(5);
+    let mut sample = Sample::one_in(11);
     for (name, form, look) in singles() {
         for (pixel_um, turn_deg, noise) in
             [(0.25, 20.0, 10.0), (0.5, 65.0, 100.0), (0.65, 0.0, 300.0), (1.0, 35.0, 100.0)]
@@ -53,7 +53,7 @@ fn single_cells_of_any_form_stay_whole() {
 #[test]
 #[ignore = "slow"]
 fn pairs_of_rods_with_a_dark_line_between_them_are_parted() {
-    let mut sample = Sample::one_in(5);
+    let mut sample = Sample::one_in(11);
     let unstriped = Look { stripes: false, ..Look::default() };
     let mut other_width = two([100.0, 0.0], 0.0);
     other_width[1].form = Form::Rod { length: 100.0, width: 15.0 };
