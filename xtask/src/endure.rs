@@ -18,7 +18,7 @@ and disk space away.
 
   --quick           Each work is ended three times (two to three minutes)
   --for MINUTES     Goes on so long; 10 unless stated
-  --seed NUMBER     Of the random moments; the time unless stated
+  --seed NUMBER     Of the random moments; another each time unless stated
   --program PATH    The program; that which tests build unless stated
 ";
 
@@ -126,11 +126,10 @@ impl Options {
     /// `None` asks for help.
     fn of(arguments: &[String]) -> Result<Option<Self>, String> {
         const MINUTE_S: f64 = 60.0;
-        let seconds = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
         let mut options = Self {
             quick: false,
             time: Duration::from_mins(10),
-            seed: seconds.map_or(1, |since| since.as_secs()),
+            seed: std::process::id().into(),
             program: None,
         };
         let mut rest = arguments.iter();

@@ -6,7 +6,7 @@ mod web_page;
 
 use crate::page;
 use crate::python::{self, Python};
-use crate::tools::{cargo, program, root, say, step, step_in_one_piece, target, temporary};
+use crate::tools::{cargo, program, root, say, step, step_in_one_piece, temporary};
 use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::PathBuf;
@@ -20,8 +20,7 @@ use tally::Tally;
 struct Checks {
     /// Whether tests take every case of their large grids.
     all_cases: bool,
-    /// Whether others are made meanwhile: then cargo builds in a folder of its own, which nobody else locks, and what a check prints is
-    /// shown in one piece.
+    /// Whether others are made meanwhile: then what a check prints is shown in one piece.
     beside: bool,
     passed: usize,
     failed: usize,
@@ -48,18 +47,11 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
         [one] if one == "--full" => Checks { all_cases: true, ..Checks::default() }.make_all(),
         [one] if one == "--quick" => {
             let mut checks = Checks::default();
-            let beside = checks.beside(&[Checks::lints]);
-            let mut failures = checks.make(&Checks::QUICK);
-            failures.extend(checks.join(beside));
+            let failures = checks.make(&Checks::QUICK);
             checks.end(&failures)
         }
         _ => Err(HELP.to_owned()),
     }
-}
-
-/// Where checks build that are made beside others.
-fn folder_beside() -> PathBuf {
-    target().join("beside")
 }
 
 /// Environments of Python, tools of the page and browsers.
@@ -88,18 +80,20 @@ impl Checks {
     fn make_all(mut self) -> Result<(), String> {
         // Downloads and installations take their time while the first checks compile; what fails here is said where it is needed.
         let ready = std::thread::spawn(prepare);
-        let beside = self.beside(&Self::BESIDE);
-        let (first, others) = Self::ALL.split_at(Self::WITHOUT_TOOLS);
-        let mut failures = self.make(first);
+        // It shares nothing with what the others build.
+        let engine = self.beside(&[Self::engine]);
+        let mut failures = self.make(&Self::WITHOUT_TOOLS);
         ready.join().ok();
-        failures.extend(self.make(others));
-        failures.extend(self.join(beside));
-        // With the engine, which is built beside the others.
+        // Browsers and Python leave a part of two cores idle.
+        let python = self.beside(&[Self::results, Self::package]);
+        failures.extend(self.make(&[Self::page]));
+        failures.extend(self.join(engine));
         failures.extend(self.make(&[Self::web]));
+        failures.extend(self.join(python));
         self.end(&failures)
     }
 
-    /// Begins to make checks that share nothing with those to come.
+    /// Begins to make checks that do not disturb those to come.
     fn beside(&self, chosen: &'static [Check]) -> Beside {
         let mut checks = Self { all_cases: self.all_cases, beside: true, ..Self::default() };
         std::thread::spawn(move || {
@@ -111,7 +105,7 @@ impl Checks {
     /// Waits for checks that are made beside; what failed of them.
     fn join(&mut self, beside: Beside) -> Vec<String> {
         let Ok((checks, failures)) = beside.join() else {
-            return vec!["the checks beside the tests ended by a panic".to_owned()];
+            return vec!["checks that were made beside others ended by a panic".to_owned()];
         };
         self.passed += checks.passed;
         self.failed += checks.failed;
@@ -133,9 +127,10 @@ impl Checks {
         Err(format!("failed:\n   {}", failures.join("\n   ")))
     }
 
-    /// What finds most mistakes in minutes, with the lints beside.
-    const QUICK: [Check; 3] = [
+    /// What finds most mistakes in minutes.
+    const QUICK: [Check; 4] = [
         Self::format,
+        Self::lints,
         |checks| {
             let mut tests = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
             checks.tests("tests that are not slow", tests.arg("--tests"))
@@ -143,11 +138,11 @@ impl Checks {
         Self::run_files,
     ];
 
-    /// How many of the first checks need no tools but the compiler.
-    const WITHOUT_TOOLS: usize = 6;
-
-    /// What is built for itself: compilers and tests leave a part of two cores idle, which these fill.
-    const BESIDE: [Check; 4] = [
+    /// Those that need no tools but the compiler, cheapest first.
+    const WITHOUT_TOOLS: [Check; 9] = [
+        Self::format,
+        Self::workflows,
+        Self::licences,
         Self::lints,
         |checks| {
             let mut doc =
@@ -155,22 +150,6 @@ impl Checks {
             doc.env("RUSTDOCFLAGS", "-D warnings");
             checks.step("documentation", doc)
         },
-        // What it does without them it does with them, too: only that it compiles is left to check. Tests ask for `testing` of the
-        // core, other crates for more of what it depends on.
-        |checks| {
-            let mut bare = cargo(["check", "-p", "myospring-core", "-p", "myospring", "--locked"]);
-            bare.args(["--no-default-features", "--lib"]);
-            checks.step("the library without its features", bare)?;
-            checks.step("the core alone", cargo(["check", "-p", "myospring-core", "--locked"]))
-        },
-        Self::engine,
-    ];
-
-    /// The others, cheapest first.
-    const ALL: [Check; 9] = [
-        Self::format,
-        Self::workflows,
-        Self::licences,
         // Examples and benchmarks are not linked: the lints have compiled them.
         |checks| {
             let mut tests = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
@@ -181,9 +160,14 @@ impl Checks {
             checks.tests("examples in the documentation", examples.arg("--doc"))
         },
         Self::run_files,
-        Self::results,
-        Self::page,
-        Self::package,
+        // What it does without them it does with them, too: only that it compiles is left to check. Tests ask for `testing` of the
+        // core, other crates for more of what it depends on.
+        |checks| {
+            let mut bare = cargo(["check", "-p", "myospring-core", "-p", "myospring", "--locked"]);
+            bare.args(["--no-default-features", "--lib"]);
+            checks.step("the library without its features", bare)?;
+            checks.step("the core alone", cargo(["check", "-p", "myospring-core", "--locked"]))
+        },
     ];
 
     fn format(&mut self) -> Result<(), String> {
@@ -314,12 +298,8 @@ impl Checks {
             command.env("MYOSPRING_ALL_CASES", "1");
         }
         let start = Instant::now();
-        let outcome = if self.beside {
-            command.env("CARGO_TARGET_DIR", folder_beside());
-            step_in_one_piece(name, command)
-        } else {
-            step(name, command)
-        };
+        let outcome =
+            if self.beside { step_in_one_piece(name, command) } else { step(name, command) };
         self.times.push((name.to_owned(), start.elapsed()));
         match outcome {
             Ok(()) => self.passed += 1,

@@ -1,7 +1,7 @@
 //! `cargo xtask web`: the page, one HTML file with the engine inside.
 
 use crate::tools::{cargo, root, say, step, target};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
@@ -13,7 +13,7 @@ pub(crate) fn run() -> Result<(), String> {
     toolchain()?;
     let around = cargo(["run", "--quiet", "-p", "myospring-web", "--locked", "--"]);
     step("the engine", engine("web"))?;
-    let (_, page) = page("web", &target(), around)?;
+    let (_, page) = page("web", around)?;
     let size = std::fs::metadata(&page).map_or(0, |file| file.len());
     say(&format!("{}: {:.2} MB\n", page.display(), size as f64 / 1e6));
     if size > LARGEST {
@@ -54,13 +54,9 @@ pub(crate) fn engine(profile: &str) -> Command {
     command
 }
 
-/// Builds by the program `around` the page around the engine, which was built in a folder by a profile; gives where both are.
-pub(crate) fn page(
-    profile: &str,
-    built: &Path,
-    mut around: Command,
-) -> Result<(PathBuf, PathBuf), String> {
-    let made = |name: &str| built.join(TARGET).join(profile).join(name);
+/// Builds by the program `around` the page around the engine, which was built by a profile; gives where both are.
+pub(crate) fn page(profile: &str, mut around: Command) -> Result<(PathBuf, PathBuf), String> {
+    let made = |name: &str| target().join(TARGET).join(profile).join(name);
     let engine = made("myospring_web.wasm");
     let folder = target().join("web");
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;

@@ -19,7 +19,21 @@ const SHORT: [&str; 5] = ["run", "--spacing", "4 um", "--duration", "300 ms"];
 
 fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(PROGRAM);
-    command.args(arguments).current_dir(folder).stdout(Stdio::piped()).stderr(Stdio::piped());
+    within(folder, command.args(arguments));
+    command
+}
+
+fn within(folder: &Path, command: &mut Command) {
+    command.current_dir(folder).stdout(Stdio::piped()).stderr(Stdio::piped());
+}
+
+/// The long run as a terminal starts it, also where the tests themselves ignore signals, as under `nohup`.
+fn long(folder: &Path) -> Command {
+    if !cfg!(target_os = "linux") {
+        return command(folder, &LONG);
+    }
+    let mut command = Command::new("env");
+    within(folder, command.args(["--default-signal", PROGRAM]).args(LONG));
     command
 }
 
@@ -64,7 +78,7 @@ fn until(what: &str, is_so: impl Fn() -> bool) {
 
 /// A long run that has begun: its hidden folder is there.
 fn begun(folder: &Path) -> Child {
-    let child = command(folder, &LONG).spawn().unwrap();
+    let child = long(folder).spawn().unwrap();
     let part = folder.join("results/.adult_ventricular.part/files");
     until("the folder under way", || part.exists());
     // Some of the beat is to be kept.

@@ -1,6 +1,6 @@
 //! The page of a report: its source, and the page itself in Chromium.
 
-use super::{Checks, folder_beside};
+use super::Checks;
 use crate::page::{chromium, firefox, folder, installed, npm};
 use crate::tools::program;
 use crate::web;
@@ -29,14 +29,13 @@ impl Checks {
             return Ok(());
         }
         let around = Command::new(program("debug", "myospring-web"));
-        let (engine, page) =
-            web::page(PROFILE, &folder_beside(), around).inspect_err(|_| self.failed += 1)?;
+        let (engine, page) = web::page(PROFILE, around).inspect_err(|_| self.failed += 1)?;
         let test = |files: &[&str]| {
             let mut command = tests(files);
             command.env("ENGINE", &engine).env("PAGE", &page);
             command
         };
-        let mut files = vec!["test/engine.test.js"];
+        let mut files = vec!["test/engine.test.js", "test/bad_input.test.js"];
         let browser = chromium();
         match &browser {
             Ok(_) => files.extend(["test/web.test.js", "test/web_files.test.js"]),

@@ -107,6 +107,9 @@ fn a_population_of_cells() {
 #[test]
 #[ignore = "slow"]
 fn a_published_model_beats_the_cell_of_a_picture() {
+    if left_to_full() {
+        return;
+    }
     let Some(model) = shared_data("cell-models/mmt/ohara-2011.mmt") else { return };
     let folder = tempfile::tempdir().unwrap();
     std::fs::copy(model, folder.path().join("ohara-2011.mmt")).unwrap();

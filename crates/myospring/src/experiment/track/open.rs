@@ -6,6 +6,7 @@ use crate::microscopy::film::{Film, FilmError};
 use crate::microscopy::picture::Selection;
 use crate::settings::PICTURE_ENDINGS;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -115,11 +116,16 @@ fn through_ffmpeg(path: &Path, codec: Option<&str>) -> Result<Vec<u8>, Experimen
         .args(["-map", "0:v:0", "-pix_fmt", "gray", "-f", "yuv4mpegpipe", "-"])
         .stdin(Stdio::null())
         .output();
-    let made = made.map_err(|error| {
-        ExperimentError::new(format!("{what}, which only ffmpeg reads, and it does not start: {error}")).advise(
+    let made = made.map_err(|error| match error.kind() {
+        // A browser starts no programs.
+        ErrorKind::Unsupported => ExperimentError::new(format!("{what}, which a page cannot read"))
+            .advise(
+                "save the film as TIFF or uncompressed AVI (Fiji: File > Save As), or follow it with the program, for which ffmpeg reads it",
+            ),
+        _ => ExperimentError::new(format!("{what}, which only ffmpeg reads, and it does not start: {error}")).advise(
             "install ffmpeg (https://ffmpeg.org, or `apt install ffmpeg`, `brew install ffmpeg`, `winget install \
              ffmpeg`), or save the film as TIFF or uncompressed AVI (Fiji: File > Save As)",
-        )
+        ),
     })?;
     if made.stdout.is_empty() {
         let said = String::from_utf8_lossy(&made.stderr);

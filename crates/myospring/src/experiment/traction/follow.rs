@@ -2,6 +2,7 @@
 
 use super::followed::Followed;
 use super::measured::{Displacements, Grid};
+use crate::experiment::input::ending;
 use crate::experiment::track::{film_name, open_film};
 use crate::experiment::{ExperimentError, Files, Observer};
 use crate::mechanics::gel::Surface;
@@ -59,6 +60,10 @@ pub(super) fn follow(
 ) -> Result<(Displacements, Option<Vec<bool>>), ExperimentError> {
     let name = beads.film.display().to_string();
     let failed = |error: &dyn std::fmt::Display| ExperimentError::new(format!("`{name}`: {error}"));
+    if ending(&beads.film) == "npy" {
+        return Err(failed(&"this is one array; displacements are two, to the right and downward")
+            .advise("give both arrays, or a film of beads"));
+    }
     film_name(&beads.film, files)?;
     let selection = Selection { channel: beads.channel, ..Selection::default() };
     let fewest = if beads.reference.is_some() { 1 } else { FEWEST_FRAMES };
