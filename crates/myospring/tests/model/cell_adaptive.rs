@@ -133,6 +133,9 @@ fn one_beat_of_the_papers_cell_has_the_converged_curve() {
 
 #[test]
 fn the_whole_course_agrees_with_the_fixed_step_oracle() {
+    if crate::common::left_to_full() {
+        return;
+    }
     let fine = solve::SolverSettings { step_ms: 0.001, ..solve::SolverSettings::default() };
     for model in all_models() {
         let protocol = train(&model, 1000.0, 1);

@@ -303,6 +303,9 @@ fn along_path(simulation: &Simulation) -> Outcome {
 #[test]
 #[ignore = "slow"]
 fn a_beat_agrees_with_a_converged_motion_within_a_thousandth_at_every_output_time() {
+    if crate::common::left_to_full() {
+        return;
+    }
     // The drag makes a motion lag by a time in proportion to the period of the slowest vibration:
     // 0.01 ms at 0.2 ms. Just after its onset the tension doubles within 1.5 ms, so the lag is 0.7 % of
     // the value there. Two periods and extrapolation to none take it away.

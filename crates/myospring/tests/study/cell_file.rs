@@ -144,6 +144,9 @@ fn studies_vary_its_constants_and_find_how_much_each_counts() {
 #[test]
 #[ignore = "slow"]
 fn a_cell_from_stem_cells_with_its_own_action_potential_pulls_at_gels_as_measured() {
+    if common::left_to_full() {
+        return;
+    }
     let Some(model) = common::shared_data("cell-models/mmt/paci-2020.mmt") else { return };
     let preset = PRESETS.iter().find(|preset| preset.name == "hipsc-paci-2020").unwrap();
     let force = |gel: &str| {
@@ -163,9 +166,6 @@ fn a_cell_from_stem_cells_with_its_own_action_potential_pulls_at_gels_as_measure
     assert!((19.5..=27.9).contains(&stiff), "{stiff} nN");
     let apd = beats[0].value("action_potential_duration_90").unwrap();
     assert!((480.0..490.0).contains(&apd), "{apd} ms");
-    if common::left_to_full() {
-        return;
-    }
     let (soft, _) = force("10 kPa");
     assert!((13.8..=14.0).contains(&soft), "{soft} nN");
 }
