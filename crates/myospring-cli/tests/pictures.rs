@@ -302,8 +302,7 @@ fn fibres_that_a_picture_shows_go_into_a_table_into_reports_and_into_the_run_tha
     assert_eq!(read("unsaid/traces.csv"), read("first/traces.csv"));
     let length = json("unsaid/summary.json")["fibres"]["sarcomere_um"].as_f64().unwrap();
     assert!((length - 1.9).abs() < 0.03, "{length}");
-    let lengths = rows.iter().filter_map(|row| row[3]);
-    assert!(lengths.into_iter().all(|length| (length - 1.9).abs() < 0.2));
+    assert!(rows.iter().filter_map(|row| row[3]).all(|length| (length - 1.9).abs() < 0.2));
 
     // The tension may go by the order of the fibres; the word comes back in the run file.
     done(&[&run[..], &["content", "--content", "picture"]].concat(), &[]);
