@@ -106,7 +106,7 @@ const ROWS: &[Row] = &[
     ("cell.geojson", Made(|| b"[".repeat(200_000)), OUTLINE, 2, &["not GeoJSON"]),
     ("rois.zip", Made(|| [&b"PK\x05\x06"[..], &[0; 10]].concat()), "mesh rois.zip --pixel-size 0.5um", 2, &["`rois.zip`"]),
     // Gels.
-    ("u.npy", Made(|| b"\x93NUMPY\x01\0".to_vec()), "traction u.npy --pixel-size 0.5um --gel-modulus 5kPa", 2, &["`u.npy`: this is one array", "give both arrays"]),
+    ("u.npy", Made(|| b"\x93NUMPY\x01\0".to_vec()), "traction u.npy --pixel-size 0.5um --gel-modulus 5kPa", 2, &["`u.npy` is one array", "give two: displacements to the right, and downward"]),
     // Run files.
     ("run.toml", Made(|| "s = {= 1\n\n[p]\n".repeat(5000).into_bytes()), RUN, 2, &["run.toml", "more than 64 brackets are open here"]),
     ("run.toml", All("[shape\nspacing = \"5 um\""), RUN, 2, &["run.toml, line 1, column 7", "unclosed table"]),
