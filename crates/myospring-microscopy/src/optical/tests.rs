@@ -107,7 +107,7 @@ impl Random {
 
 #[test]
 fn waves_of_any_velocity_direction_rate_and_noise_are_mapped() {
-    let mut sample = Sample::one_in(17);
+    let mut sample = Sample::one_in(11);
     for velocity in [10.0, 20.0, 40.0] {
         for angle_deg in [0.0, 30.0, 90.0, 200.0] {
             for rate in [250.0, 1000.0] {
