@@ -18,7 +18,7 @@ and disk space away.
 
   --quick           Each work is ended three times (two to three minutes)
   --for MINUTES     Goes on so long; 10 unless stated
-  --seed NUMBER     Of the random moments; another each time unless stated
+  --seed NUMBER     Of the random moments; another each time unless given
   --program PATH    The program; that which tests build unless stated
 ";
 

@@ -64,7 +64,7 @@ fn at(found: &TrackedCells, place: [f64; 2]) -> &FilmCell {
 
 #[test]
 fn cells_of_one_film_are_followed_apart_over_noise_and_distance() {
-    let mut sample = Sample::one_in(3);
+    let mut sample = Sample::one_in(2);
     for (apart, noise) in [(-9.0, 0.3), (0.0, 0.0)] {
         if sample.leaves_out() {
             continue;
