@@ -83,7 +83,7 @@ const ROWS = [
   [ARRAY, traction({ gel_modulus_kpa: 0 }), [/above 0 kPa/]],
   [ARRAY, traction({ gel_poisson: 0.7 }), [/0\.7/]],
   [ARRAY, traction({ pixel_size_um: -1 }), [/-1/]],
-  [ARRAY, traction({ files: ["file.npy"] }), [/`file\.npy`: this is one array/, /both/]],
+  [ARRAY, traction({ files: ["file.npy"] }), [/`file\.npy` is one array/, /give two/]],
   // Outlines, run files, doses, models.
   [changed(OUTLINE, "[[", "[[["), { ask: "open", name: "file.geojson" }, [/file\./]],
   ["[shape\n", { ask: "settings", name: "file.toml" }, [/line 1/]],

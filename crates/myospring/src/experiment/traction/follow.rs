@@ -61,8 +61,8 @@ pub(super) fn follow(
     let name = beads.film.display().to_string();
     let failed = |error: &dyn std::fmt::Display| ExperimentError::new(format!("`{name}`: {error}"));
     if ending(&beads.film) == "npy" {
-        return Err(failed(&"this is one array; displacements are two, to the right and downward")
-            .advise("give both arrays, or a film of beads"));
+        return Err(ExperimentError::new(format!("`{name}` is one array"))
+            .advise("give two: displacements to the right, and downward, like u.npy v.npy"));
     }
     film_name(&beads.film, files)?;
     let selection = Selection { channel: beads.channel, ..Selection::default() };
