@@ -26,9 +26,6 @@ pub mod read;
 mod region;
 pub mod report;
 mod runs;
-#[cfg(test)]
-#[path = "../../myospring/tests/common/sample.rs"]
-mod sample;
 pub mod segment;
 pub mod stack;
 pub mod whole_frame;

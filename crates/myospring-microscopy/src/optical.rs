@@ -441,6 +441,3 @@ fn typical(beats: &[MappedBeat], wave: &Wave) -> WaveMap {
         velocity_cm_per_s: median_of(wave.triangles.len(), &|map, at| map.velocity_cm_per_s[at]),
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -23,8 +23,6 @@ mod follow;
 mod motion;
 mod patch;
 mod post;
-#[cfg(test)]
-mod tests;
 mod window;
 
 pub use error::{Doubt, PostError, SMALLEST_POST_PX};

@@ -44,8 +44,6 @@ mod reading;
 mod report;
 mod shape;
 mod surface;
-#[cfg(test)]
-mod tests;
 mod volume;
 
 pub use error::{FEWEST_SLICES, MOST_VOXELS, StackError};

@@ -37,15 +37,18 @@ mod headline;
 mod heart_cells;
 mod hot_pixels;
 mod interruption;
+mod made_up_stacks;
 mod marks;
 mod masks;
 mod motion;
 #[cfg(feature = "run-file")]
 mod optical;
+mod optical_maps;
 mod outlines_damaged;
 mod outlines_given;
 mod outlines_traced;
 mod pictures;
+mod posts;
 mod repeats;
 mod sarcomeres;
 mod segmentation;

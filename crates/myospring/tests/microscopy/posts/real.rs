@@ -1,12 +1,9 @@
 //! Real films.
 
-#[path = "../../../../myospring/tests/common/skipped.rs"]
-mod skipped;
-
-use crate::film::Film;
-use crate::picture::Selection;
-use crate::posts::{self, Doubt, Post, PostError, PostPlaces, PostShape};
-use skipped::shared_data;
+use crate::common::shared_data;
+use myospring::microscopy::film::Film;
+use myospring::microscopy::picture::Selection;
+use myospring::microscopy::posts::{self, Doubt, Post, PostError, PostPlaces, PostShape};
 
 fn film(file: &str) -> Option<Film> {
     let bytes = std::fs::read(shared_data(file)?).unwrap();

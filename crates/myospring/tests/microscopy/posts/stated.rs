@@ -1,8 +1,8 @@
 //! Posts whose places are stated.
 
 use super::made_up::Scene;
-use crate::posts::{self, PostMotion};
-use crate::sample::Sample;
+use crate::common::Sample;
+use myospring::microscopy::posts::{self, PostMotion};
 
 /// Root mean square of the error of the displacements of both posts, along each axis, pixels; all frames must be found.
 pub(super) fn error(scene: &Scene, motion: &PostMotion) -> f64 {

@@ -1,10 +1,10 @@
 //! Waves in made-up films.
 
-use super::{OpticalMap, OpticalSettings};
-use crate::film::Film;
-use crate::picture::Selection;
-use crate::sample::Sample;
-use myospring_core::analysis::value;
+use crate::common::Sample;
+use myospring::analysis::value;
+use myospring::microscopy::film::Film;
+use myospring::microscopy::optical::{OpticalMap, OpticalSettings};
+use myospring::microscopy::picture::Selection;
 
 /// A film of a tissue whose light rises or falls as action potentials do.
 #[derive(Debug, Clone, Copy)]

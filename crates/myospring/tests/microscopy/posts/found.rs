@@ -2,8 +2,8 @@
 
 use super::made_up::Scene;
 use super::stated::{error, scenes};
-use crate::posts::{self, Doubt, PostError};
-use crate::sample::Sample;
+use crate::common::Sample;
+use myospring::microscopy::posts::{self, Doubt, PostError};
 
 /// Distance of the found middles from the true ones, and the ratio of the found diameter to the true mean side.
 fn found(scene: &Scene) -> Result<[f64; 2], PostError> {

@@ -1,8 +1,8 @@
 //! Made-up films of two posts that hold a tissue, with known motion.
 
-use crate::film::Film;
-use crate::picture::Selection;
-use crate::posts::{Post, PostPlaces, PostShape};
+use myospring::microscopy::film::Film;
+use myospring::microscopy::picture::Selection;
+use myospring::microscopy::posts::{Post, PostPlaces, PostShape};
 
 /// What a made-up film shows.
 #[derive(Debug, Clone, Copy)]

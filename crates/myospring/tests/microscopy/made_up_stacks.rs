@@ -4,13 +4,15 @@ mod files;
 mod made_up;
 mod turning;
 
-use super::{FirstSlice, Stack, StackError, StackOptions, StackReport, StackSelection, Stain};
-use crate::sample::Sample;
-use crate::segment::{Choice, Modality, SegmentError, SegmentationSettings};
+use crate::common::Sample;
 use files::{described, plain};
 use made_up::{Body, Scene};
-use myospring_core::mesh::pixel_size::PixelSize;
-use myospring_core::mesh::voxels::Voxels;
+use myospring::mesh::pixel_size::PixelSize;
+use myospring::mesh::voxels::Voxels;
+use myospring::microscopy::segment::{Choice, Modality, SegmentError, SegmentationSettings};
+use myospring::microscopy::stack::{
+    FirstSlice, Stack, StackError, StackOptions, StackReport, StackSelection, Stain,
+};
 
 /// A clear stack: pixels of 0.5 um, slices 1 um apart.
 const CLEAR: Scene = Scene {

@@ -1,7 +1,7 @@
 //! Places that cannot be followed, and frames without posts.
 
 use super::made_up::Scene;
-use crate::posts::{self, Post, PostError, PostPlaces, PostShape};
+use myospring::microscopy::posts::{self, Post, PostError, PostPlaces, PostShape};
 
 fn refused(change: impl Fn(&mut PostPlaces)) -> PostError {
     let scene = Scene { frames: 3, texture: 0.0, ..Scene::round(16.0) };

@@ -1,11 +1,11 @@
 //! Stripes that turn from slice to slice.
 
-use super::super::{Stack, StackOptions, StackSelection};
 use super::files::plain;
 use super::options;
-use crate::fibres::{FibreSettings, Stain};
-use crate::segment::{Modality, SegmentationSettings};
-use myospring_core::mesh::voxels::Voxels;
+use myospring::mesh::voxels::Voxels;
+use myospring::microscopy::fibres::{FibreSettings, Stain};
+use myospring::microscopy::segment::{Modality, SegmentationSettings};
+use myospring::microscopy::stack::{Stack, StackOptions, StackSelection};
 
 const SIZE: [usize; 2] = [160, 90];
 const PIXEL_UM: f64 = 0.25;
