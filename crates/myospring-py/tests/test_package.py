@@ -169,7 +169,15 @@ DOCS = HERE.parents[1] / "docs"
 PAGES = sorted(str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md") if "```python\n" in page.read_text() and page.name != "results.md")
 
 
-@pytest.mark.parametrize("page", PAGES)
+# Those that take longest; what they call has tests of its own.
+LEFT_TO_FULL = ("how-to/clusters.md", "how-to/films.md", "how-to/thick-cells.md")
+ALL_CASES = "MYOSPRING_ALL_CASES" in os.environ
+
+
+@pytest.mark.parametrize("page", [
+    pytest.param(page, marks=pytest.mark.skipif(page in LEFT_TO_FULL and not ALL_CASES, reason="`cargo xtask test --full` runs it"))
+    for page in PAGES
+])
 def test_the_python_of_a_page_runs(page, tmp_path):
     """The blocks of the page, one after the other, as one script."""
     for package in ("SALib", "distributed"):

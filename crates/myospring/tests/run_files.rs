@@ -15,6 +15,8 @@ use std::path::{Path, PathBuf};
 
 #[path = "run_files/extremes.rs"]
 mod extremes;
+#[path = "common/sample.rs"]
+mod sample;
 
 fn files(folder: &str) -> Vec<(PathBuf, String)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
