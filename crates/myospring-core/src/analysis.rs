@@ -16,6 +16,9 @@ pub mod kind;
 pub mod load;
 mod missing;
 pub mod monotone;
+#[cfg(test)]
+#[path = "../../myospring/tests/common/noise.rs"]
+mod noise;
 pub mod order;
 pub mod paired;
 pub mod pulse;
@@ -28,8 +31,6 @@ pub mod spiral;
 pub mod spontaneous;
 pub mod summary;
 pub mod tension;
-#[cfg(test)]
-mod tests;
 pub mod thickness;
 pub mod trace;
 pub mod transient;

@@ -34,8 +34,6 @@ mod rhythm;
 mod smooth;
 mod smoothing;
 mod span;
-#[cfg(test)]
-mod tests;
 mod upstroke;
 
 use super::holes;

@@ -9,8 +9,6 @@ mod course;
 mod matching;
 mod metrics;
 mod recorded;
-#[cfg(test)]
-mod tests;
 
 use super::curve::State;
 use super::kind::{Family, Kind};

@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/noise.rs"]
+mod noise;
 
 mod afterload;
 mod architecture;
@@ -14,6 +16,7 @@ mod cell_derivatives;
 mod cell_population;
 mod cell_solver;
 mod checks;
+mod curves;
 mod exchange;
 mod gel;
 mod interruption;
@@ -22,6 +25,7 @@ mod mechanics;
 mod mesh;
 mod outline;
 mod own_model;
+mod paired_curves;
 mod parts;
 mod quasi_static;
 mod rhythm;

@@ -205,7 +205,7 @@ pub(super) fn persistent(values: &[f64]) -> Vec<Peak> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::tests::Noise;
+    use crate::analysis::noise::Noise;
 
     /// Triangles of height 1, 60 samples wide, every 200.
     fn triangles(count: usize) -> (Vec<f64>, Vec<f64>) {

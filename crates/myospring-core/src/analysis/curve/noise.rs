@@ -282,7 +282,7 @@ pub(super) fn hum(times: &[f64], values: &[f64]) -> Option<Hum> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::tests::Noise;
+    use crate::analysis::noise::Noise;
 
     #[test]
     fn noise_is_told_from_beats_and_from_nothing() {

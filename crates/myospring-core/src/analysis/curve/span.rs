@@ -211,3 +211,55 @@ pub(super) fn mean(values: &[f64]) -> f64 {
 pub(super) fn median_distance(times: &[f64], peaks: &[usize]) -> Option<f64> {
     median(peaks.windows(2).map(|pair| times[pair[1]] - times[pair[0]]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::curve::detect::{Found, Peak};
+    use crate::analysis::kind::Kind;
+
+    /// After a short beat a step, and from it a slow rise to a second one: the line through 10 % and 50 % of it meets rest
+    /// before the first beat began.
+    #[test]
+    fn no_interval_is_negative_however_slowly_a_beat_rises_after_another() {
+        let times: Vec<f64> = (0..750).map(|frame| 4.0 * f64::from(frame)).collect();
+        for step in [0.17, 0.3, 0.42] {
+            for slow in [500.0, 1000.0, 1290.0, 1500.0] {
+                let short = |t: f64| (t / 42.0).min((50.0 - t) / 8.0).max(0.0);
+                let second = |t: f64| match t {
+                    t if t < 0.0 => 0.0,
+                    t if t < 8.0 => step * t / 8.0,
+                    t if t < slow => step + (1.0 - step) * ((t - 8.0) / (slow - 8.0)).powf(1.8),
+                    t => (1.0 - (t - slow) / 200.0).max(0.0),
+                };
+                let pair = |t: &f64| short(t - 400.0).max(second(t - 500.0));
+                let signal: Vec<f64> = times.iter().map(pair).collect();
+                let peaks = [442.0, 500.0 + slow].map(|time| {
+                    let at = times.partition_point(|frame| *frame < time);
+                    Peak { at, prominence: signal[at] }
+                });
+                let found = Found { peaks: peaks.to_vec(), half: 0, usual: 1.0, least: 0.01 };
+                let reader = Reader {
+                    times: &times,
+                    signal: &signal,
+                    smoothed: &signal,
+                    slopes: None,
+                    level: 0.0,
+                    noise: 0.0,
+                    noise_ms: 0.0,
+                    sign: 1.0,
+                    kind: Kind::Tension,
+                    unit: "kPa",
+                    found: &found,
+                    keep_drift: false,
+                    artefacts: &[],
+                    holes: &[],
+                    half: 0,
+                };
+                let interval =
+                    crate::analysis::value(&reader.found()[1].metrics, "interval").unwrap();
+                assert!(interval > 0.0, "{step}, {slow}: {interval} ms");
+            }
+        }
+    }
+}

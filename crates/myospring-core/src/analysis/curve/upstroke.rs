@@ -167,7 +167,7 @@ fn cubic(times: &[f64], values: &[f64]) -> Option<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::tests::Noise;
+    use crate::analysis::noise::Noise;
 
     /// Logistic upstrokes of 100 mV from 0 mV: `10 % to 90 %` takes `time`, so the largest slope is 100 ln(81) / (4 time).
     fn upstroke(rate_khz: f64, time: f64, noise: f64, seed: u64) -> (Vec<f64>, Vec<f64>, f64) {

@@ -1,10 +1,11 @@
 //! Made-up curves whose delay and loop are known.
 
-use super::*;
-use crate::analysis::curve::Analysis;
-use crate::analysis::curve::{CurveOptions, analyse};
-use crate::analysis::tests::Noise;
-use crate::analysis::{reading, value};
+use crate::noise::Noise;
+use myospring::analysis::curve::Analysis;
+use myospring::analysis::curve::{CurveOptions, analyse};
+use myospring::analysis::kind::Kind;
+use myospring::analysis::paired::{Direction, PairError, Paired, Recorded, pair};
+use myospring::analysis::{reading, value};
 
 /// A curve of beats: onsets, ms; and frames a second, first and last time, ms, and noise as a part of a beat.
 #[derive(Clone, Copy)]
@@ -169,7 +170,7 @@ fn a_beat_with_missing_frames_has_a_reason_instead_of_numbers() {
     let counts: Vec<bool> = paired.beats.iter().map(|beat| beat.counts).collect();
     assert_eq!(counts, [true, true, false, true, true, true]);
     let third = &paired.beats[2];
-    assert_eq!(reading(&third.metrics, "delay_of_onset"), Err(crate::analysis::Missing::Hole));
+    assert_eq!(reading(&third.metrics, "delay_of_onset"), Err(myospring::analysis::Missing::Hole));
     assert!(third.remark.contains("with missing frames"), "{}", third.remark);
     assert!(value(&paired.beats[1].metrics, "delay_of_onset").is_some());
 }

@@ -1,10 +1,10 @@
 //! What must not be measured: values that no curve of a kind has, metrics across missing frames, times before a stimulus.
 
 use super::{exponential, frames, half_sine, triangle};
-use crate::analysis::curve::{Analysis, CurveError, CurveOptions, State, analyse};
-use crate::analysis::kind::Kind;
-use crate::analysis::tests::Noise;
-use crate::analysis::{Missing, value};
+use crate::noise::Noise;
+use myospring::analysis::curve::{Analysis, CurveError, CurveOptions, State, analyse};
+use myospring::analysis::kind::Kind;
+use myospring::analysis::{Missing, value};
 
 /// Six beats, a beat each second, above a rest, with noise of a part of their height.
 fn beats(rest: f64, height: f64, noise: f64) -> (Vec<f64>, Vec<f64>) {

@@ -1,9 +1,9 @@
 //! Beats among artefacts: a grid over their direction, length, height and number, over kinds of curves and recordings.
 
-use super::super::*;
 use super::{half_sine, triangle};
-use crate::analysis::kind::Kind;
-use crate::analysis::tests::Noise;
+use crate::noise::Noise;
+use myospring::analysis::curve::{Analysis, Artefact, CurveOptions, State, analyse};
+use myospring::analysis::kind::Kind;
 use std::f64::consts::PI;
 
 /// Pulses of height 1, of a time in ms since the onset.

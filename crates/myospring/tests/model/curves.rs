@@ -5,9 +5,9 @@ mod doubt;
 mod grid;
 mod unread;
 
-use super::*;
-use crate::analysis::kind::Kind;
-use crate::analysis::tests::Noise;
+use crate::noise::Noise;
+use myospring::analysis::curve::{Analysis, CurveOptions, State, analyse};
+use myospring::analysis::kind::Kind;
 use std::f64::consts::PI;
 
 /// Times at a frame rate.
@@ -41,7 +41,7 @@ fn each_second(times: &[f64], pulse: fn(f64) -> f64) -> Vec<f64> {
 
 fn check(name: &str, analysis: &Analysis, metric: &str, expected: f64) {
     for beat in &analysis.beats {
-        let value = crate::analysis::value(&beat.metrics, metric)
+        let value = myospring::analysis::value(&beat.metrics, metric)
             .unwrap_or_else(|| panic!("{name}: beat {} has no {metric}", beat.number));
         let error = (value - expected).abs() / expected.abs();
         assert!(error <= 1e-3, "{name}, {metric}: {value}, not {expected}");
@@ -182,7 +182,7 @@ fn a_line_of_drift_is_taken_off_and_a_bleaching_one_nearly() {
     let analysis =
         analyse(&times, &bleached, Kind::Fluorescence, "a.u.", &CurveOptions::default()).unwrap();
     for beat in &analysis.beats {
-        let over = crate::analysis::value(&beat.metrics, "amplitude_over_rest").unwrap();
+        let over = myospring::analysis::value(&beat.metrics, "amplitude_over_rest").unwrap();
         assert!((over - 0.5).abs() < 0.01, "{over}");
     }
 }
@@ -206,7 +206,7 @@ fn stimuli_give_the_beats_and_name_those_that_are_missed() {
     let counted: Vec<f64> = analysis
         .counted()
         .iter()
-        .map(|beat| crate::analysis::value(beat, "time_to_peak_from_stimulus").unwrap())
+        .map(|beat| myospring::analysis::value(beat, "time_to_peak_from_stimulus").unwrap())
         .collect();
     assert!(counted.iter().all(|time| (time - 150.0).abs() < 0.3), "{counted:?}");
     // Without stimuli the gap is seen by its length.
@@ -234,54 +234,10 @@ fn the_first_beat_answers_a_stimulus_though_a_later_one_is_higher() {
     let analysis = analyse(&times, &values, Kind::Length, "um", &options).unwrap();
     assert_eq!(analysis.beats.len(), 6);
     for beat in &analysis.beats {
-        let time = crate::analysis::value(&beat.metrics, "time_to_peak_from_stimulus").unwrap();
+        let time = myospring::analysis::value(&beat.metrics, "time_to_peak_from_stimulus").unwrap();
         assert!((time - 200.0).abs() < 1.0, "{}: {time}", beat.number);
         let said = beat.remarks.join("; ");
         assert!(said.contains("2 beats follow"), "{}: {said}", beat.number);
-    }
-}
-
-/// After a short beat a step, and from it a slow rise to a second one: the line through 10 % and 50 % of it meets rest
-/// before the first beat began.
-#[test]
-fn no_interval_is_negative_however_slowly_a_beat_rises_after_another() {
-    let times = frames(250.0, 3.0);
-    for step in [0.17, 0.3, 0.42] {
-        for slow in [500.0, 1000.0, 1290.0, 1500.0] {
-            let short = |t: f64| (t / 42.0).min((50.0 - t) / 8.0).max(0.0);
-            let second = |t: f64| match t {
-                t if t < 0.0 => 0.0,
-                t if t < 8.0 => step * t / 8.0,
-                t if t < slow => step + (1.0 - step) * ((t - 8.0) / (slow - 8.0)).powf(1.8),
-                t => (1.0 - (t - slow) / 200.0).max(0.0),
-            };
-            let pair = |t: &f64| short(t - 400.0).max(second(t - 500.0));
-            let signal: Vec<f64> = times.iter().map(pair).collect();
-            let peaks = [442.0, 500.0 + slow].map(|time| {
-                let at = times.partition_point(|frame| *frame < time);
-                detect::Peak { at, prominence: signal[at] }
-            });
-            let found = detect::Found { peaks: peaks.to_vec(), half: 0, usual: 1.0, least: 0.01 };
-            let reader = Reader {
-                times: &times,
-                signal: &signal,
-                smoothed: &signal,
-                slopes: None,
-                level: 0.0,
-                noise: 0.0,
-                noise_ms: 0.0,
-                sign: 1.0,
-                kind: Kind::Tension,
-                unit: "kPa",
-                found: &found,
-                keep_drift: false,
-                artefacts: &[],
-                holes: &[],
-                half: 0,
-            };
-            let interval = crate::analysis::value(&reader.found()[1].metrics, "interval").unwrap();
-            assert!(interval > 0.0, "{step}, {slow}: {interval} ms");
-        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Recordings with more artefacts than beats.
 
-use super::super::*;
-use super::Noise;
 use super::grid::{Faults, Recording, SHAPES, recording, scale, tops};
+use crate::noise::Noise;
+use myospring::analysis::curve::{Analysis, Artefact, CurveError, CurveOptions, analyse};
 
 /// Of each recording: untouched beats, those of them that are lost, artefacts, those that are not listed, whether anything is
 /// wrong, and whether that is said.

@@ -1,8 +1,9 @@
 //! What the program must not take for a beat, and what it says where it cannot tell.
 
-use super::super::*;
-use super::{Noise, each_second, frames, half_sine};
-use crate::analysis::kind::Kind;
+use super::{each_second, frames, half_sine};
+use crate::noise::Noise;
+use myospring::analysis::curve::{CurveOptions, analyse};
+use myospring::analysis::kind::Kind;
 use std::f64::consts::PI;
 
 fn length(height: f64) -> f64 {
