@@ -33,7 +33,7 @@ tau_so1 = { distribution = "uniform", low = 0.9, high = 1.1, relative = true }
 peak_tension = { distribution = "uniform", low = "20 kPa", high = 60 }
 [sampling]
 sampler = "saltelli"
-size = 512
+size = 256
 [keep]
 peak_tension = [30, 50]
 """
@@ -121,7 +121,7 @@ def test_python_and_the_program_write_the_same_files(serial, name, tmp_path):
 
 def test_a_result_is_arrays_and_a_table_and_can_be_pickled(serial):
     result = serial["cells"].result
-    members = 512 * 5
+    members = 256 * 5
     assert result.values.shape == (members, 3) and result.metrics.shape == (members, 2)
     assert result.names == ["peak_tension", "tau_si", "tau_so1"] and result.units["peak_tension"] == "kPa"
     tension = result.metrics[:, 0]
@@ -137,7 +137,7 @@ def test_a_result_is_arrays_and_a_table_and_can_be_pickled(serial):
     again = pickle.loads(pickle.dumps(result))
     assert again.metrics.tobytes() == result.metrics.tobytes()
     assert again.sensitivity == result.sensitivity
-    assert "2560 members" in repr(result) and "kept" in result._repr_html_()
+    assert "1280 members" in repr(result) and "kept" in result._repr_html_()
 
 
 def test_a_dict_a_text_and_a_file_are_the_same_study(serial):
@@ -146,12 +146,12 @@ def test_a_dict_a_text_and_a_file_are_the_same_study(serial):
     study = tomllib.loads(CELLS)
     study["sampling"]["size"] = np.int64(16)
     of_dict = myospring.run_study(study)
-    of_text = myospring.run_study(CELLS.replace("512", "16"))
+    of_text = myospring.run_study(CELLS.replace("256", "16"))
     assert of_dict.metrics.tobytes() == of_text.metrics.tobytes()
     with pytest.raises(myospring.UnknownNameError, match="nearest are tau_si"):
         myospring.run_study(CELLS.replace("tau_si", "tau_sii"))
     with pytest.raises(ValueError, match="size"):
-        myospring.run_study(CELLS.replace("512", "0"))
+        myospring.run_study(CELLS.replace("256", "0"))
     for of_nothing in ({"kind": "cell"}, 'kind = "cell"'):
         with pytest.raises(ValueError, match=r"^\[sampling\] is missing; .* size = 100"):
             myospring.run_study(of_nothing)
@@ -167,7 +167,7 @@ def test_ctrl_c_ends_a_study_within_a_second_and_what_is_done_is_kept(serial, tm
     from test_batch import interrupted
 
     for name, size in [("cells", "size = 30000"), ("beats", "size = 4000")]:
-        text = STUDIES[name].replace("size = 512", size).replace("size = 240", size)
+        text = STUDIES[name].replace("size = 256", size).replace("size = 240", size)
         folder = tmp_path / name
         # A second, and another one where others use the machine.
         assert interrupted(lambda: myospring.run_study(text, output=folder, threads=2, batch_seconds=0.5)) < 2

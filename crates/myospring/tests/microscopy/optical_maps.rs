@@ -132,7 +132,6 @@ fn check(scene: Scene) {
     for beat in &map.beats {
         let of = |name| value(&beat.metrics, name).unwrap_or(f64::NAN);
         let velocity = of("conduction_velocity");
-        println!("{scene:?}: {velocity} cm/s, {} ms", of("local_action_potential_duration_90"));
         // A wave that needs few frames to cross is timed by its noise.
         let crosses = 3600.0 / (10.0 * scene.velocity) * scene.rate / 1000.0;
         let bound = if crosses > 10.0 { 0.05 } else { 0.15 };

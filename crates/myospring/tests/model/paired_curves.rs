@@ -54,7 +54,8 @@ impl Read {
         };
         let values: Vec<f64> =
             times.iter().copied().map(height).map(|height| rest + by * height).collect();
-        let analysis = analyse(&times, &values, kind, unit, &CurveOptions::default()).unwrap();
+        let analysis = analyse(&times, &values, kind, unit, &CurveOptions::default())
+            .unwrap_or_else(|error| panic!("{error}"));
         Self { times, kind, unit, analysis }
     }
 

@@ -46,7 +46,6 @@ fn check(diameters: &[f64], noise: f64, largest: f64) {
                 let stated = stated.sum::<f64>() / (2 * motion.frames.len()) as f64;
                 let what =
                     format!("{contrast} {noise} {:?}: {error}, stated {stated}", scene.shape);
-                println!("{what}");
                 assert!(error < largest, "{what}");
                 // The frame at rest has its error, too, which all others share; without noise, interpolation decides.
                 assert!(noise == 0.0 || (0.4..2.5).contains(&(error / stated)), "{what}");
