@@ -82,11 +82,11 @@ impl Checks {
         let ready = std::thread::spawn(prepare);
         // It shares nothing with what the others build.
         let engine = self.beside(&[Self::engine]);
-        let mut failures = self.make(&Self::WITHOUT_TOOLS);
+        let mut failures = self.make(&Self::COMPILED);
         ready.join().ok();
-        // Browsers and Python leave a part of two cores idle.
+        // One long test at the end of a file, browsers and Python each leave a part of two cores idle.
         let python = self.beside(&[Self::results, Self::package]);
-        failures.extend(self.make(&[Self::page]));
+        failures.extend(self.make(&Self::RUN));
         failures.extend(self.join(engine));
         failures.extend(self.make(&[Self::web]));
         failures.extend(self.join(python));
@@ -138,8 +138,8 @@ impl Checks {
         Self::run_files,
     ];
 
-    /// Those that need no tools but the compiler, cheapest first.
-    const WITHOUT_TOOLS: [Check; 9] = [
+    /// What compiles, cheapest first.
+    const COMPILED: [Check; 6] = [
         Self::format,
         Self::workflows,
         Self::licences,
@@ -150,6 +150,15 @@ impl Checks {
             doc.env("RUSTDOCFLAGS", "-D warnings");
             checks.step("documentation", doc)
         },
+        |checks| {
+            let mut tests = cargo(["test", "--workspace", "--locked", "--tests"]);
+            tests.arg("--no-run");
+            checks.step("tests, compiled", tests)
+        },
+    ];
+
+    /// What runs what was compiled.
+    const RUN: [Check; 5] = [
         // Examples and benchmarks are not linked: the lints have compiled them.
         |checks| {
             let mut tests = cargo(["test", "--workspace", "--locked", "--no-fail-fast"]);
@@ -161,6 +170,7 @@ impl Checks {
         },
         Self::run_files,
         Self::without_features,
+        Self::page,
     ];
 
     /// What it does without them it does with them, too: only that it compiles is left to check. Tests ask for `testing` of the core,
