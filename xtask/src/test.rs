@@ -88,7 +88,7 @@ impl Checks {
         let python = self.beside(&[Self::results, Self::package]);
         failures.extend(self.make(&Self::RUN));
         failures.extend(self.join(engine));
-        failures.extend(self.make(&[Self::web]));
+        failures.extend(self.make(&[Self::browsers, Self::in_firefox]));
         failures.extend(self.join(python));
         self.end(&failures)
     }

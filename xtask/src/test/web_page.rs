@@ -4,6 +4,7 @@ use super::Checks;
 use crate::page::{chromium, firefox, folder, installed, npm};
 use crate::tools::program;
 use crate::web;
+use std::path::PathBuf;
 use std::process::Command;
 
 /// How the engine is built for tests.
@@ -19,68 +20,80 @@ impl Checks {
         }
     }
 
-    /// The page with the engine inside, and its numbers beside the program's.
-    pub(super) fn web(&mut self) -> Result<(), String> {
-        let names = ["the page", "the page: in Chromium", "the page: in Firefox"];
-        if let Err(why) = web::toolchain().and_then(|()| installed()) {
-            for name in names {
-                self.skip(name, &why);
-            }
-            return Ok(());
-        }
-        let around = Command::new(program("debug", "myospring-web"));
-        let (engine, page) = web::page(PROFILE, around).inspect_err(|_| self.failed += 1)?;
-        let test = |files: &[&str]| {
-            let mut command = tests(files);
-            command.env("ENGINE", &engine).env("PAGE", &page);
-            command
-        };
-        let mut files = vec!["test/engine.test.js", "test/bad_input.test.js"];
-        let browser = chromium();
-        match &browser {
-            Ok(_) => files.extend(["test/web.test.js", "test/web_files.test.js"]),
-            Err(why) => self.skip(names[1], why),
-        }
-        let mut command = test(&files);
-        command.envs(browser.ok().flatten().map(|path| ("CHROMIUM", path)));
-        self.step(names[0], command)?;
-        match firefox() {
-            Ok(path) => {
-                let mut command = test(&["test/firefox.test.js"]);
-                command.env("FIREFOX", path);
-                self.step(names[2], command)
-            }
-            Err(why) => {
-                self.skip(names[2], &why);
-                Ok(())
-            }
-        }
-    }
-
-    /// What a web developer would check, with tools from the npm registry; looks at pages that the program, as the tests
-    /// have built it, writes.
+    /// What a web developer would check, with tools from the npm registry; the numbers of pages that the program, as the tests have
+    /// built it, writes.
     pub(super) fn page(&mut self) -> Result<(), String> {
-        let source = "page: lints and types";
-        let (data, browser) = ("page: its numbers", "page: in Chromium");
+        let (source, data) = ("page: lints and types", "page: its numbers");
         if let Err(why) = installed() {
-            for name in [source, data, browser] {
+            for name in [source, data] {
                 self.skip(name, &why);
             }
             return Ok(());
         }
         self.step(source, npm(&["run", "check"]))?;
-        self.step(data, tests(&["test/data.test.js"]))?;
-        match chromium() {
-            Ok(path) => {
-                let mut command = tests(&["test/report.test.js", "test/space.test.js"]);
-                command.envs(path.map(|path| ("CHROMIUM", path)));
-                self.step(browser, command)
-            }
-            Err(why) => {
-                self.skip(browser, &why);
-                Ok(())
-            }
+        self.step(data, tests(&["test/data.test.js"]))
+    }
+
+    /// The report's page in Chromium; the page with the engine inside, and its numbers beside the program's.
+    pub(super) fn browsers(&mut self) -> Result<(), String> {
+        let (engine, in_chromium) = ("the page's engine", "pages in Chromium");
+        if let Err(why) = installed() {
+            self.skip(engine, &why);
+            self.skip(in_chromium, &why);
+            return Ok(());
         }
+        let page = match web::toolchain() {
+            Ok(()) => Some(self.with_engine()?),
+            Err(why) => {
+                self.skip(engine, &why);
+                None
+            }
+        };
+        let browser = chromium();
+        if let Err(why) = &browser {
+            self.skip(in_chromium, why);
+        }
+        let mut files = Vec::new();
+        if page.is_some() {
+            files.extend(["test/engine.test.js", "test/bad_input.test.js"]);
+        }
+        if browser.is_ok() {
+            files.extend(["test/report.test.js", "test/space.test.js"]);
+        }
+        if page.is_some() && browser.is_ok() {
+            files.extend(["test/web.test.js", "test/web_files.test.js"]);
+        }
+        if files.is_empty() {
+            return Ok(());
+        }
+        let mut command = tests(&files);
+        if let Some((engine, page)) = &page {
+            command.env("ENGINE", engine).env("PAGE", page);
+        }
+        command.envs(browser.ok().flatten().map(|path| ("CHROMIUM", path)));
+        self.step("pages and their engine", command)
+    }
+
+    /// The page with the engine inside, in Firefox.
+    pub(super) fn in_firefox(&mut self) -> Result<(), String> {
+        let name = "the page in Firefox";
+        let browser = match installed().and_then(|()| web::toolchain()).and_then(|()| firefox()) {
+            Ok(path) => path,
+            Err(why) => {
+                self.skip(name, &why);
+                return Ok(());
+            }
+        };
+        let (engine, page) = self.with_engine()?;
+        let mut command = tests(&["test/firefox.test.js"]);
+        command.env("ENGINE", engine).env("PAGE", page).env("FIREFOX", browser);
+        self.step(name, command)
+    }
+
+    /// The engine and the page around it.
+    fn with_engine(&mut self) -> Result<(PathBuf, PathBuf), String> {
+        let around = Command::new(program("debug", "myospring-web"));
+        web::page(PROFILE, around).inspect_err(|_| self.failed += 1)
     }
 }
 
