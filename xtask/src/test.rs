@@ -29,6 +29,8 @@ struct Checks {
     tests: Tally,
     /// Each check and how long it took.
     times: Vec<(String, Duration)>,
+    /// The page's engine and the page around it, once they are built.
+    page: Option<(PathBuf, PathBuf)>,
 }
 
 const HELP: &str = "\

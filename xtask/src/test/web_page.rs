@@ -90,10 +90,14 @@ impl Checks {
         self.step(name, command)
     }
 
-    /// The engine and the page around it.
+    /// The engine and the page around it, which is packed once.
     fn with_engine(&mut self) -> Result<(PathBuf, PathBuf), String> {
+        if let Some(page) = &self.page {
+            return Ok(page.clone());
+        }
         let around = Command::new(program("debug", "myospring-web"));
-        web::page(PROFILE, around).inspect_err(|_| self.failed += 1)
+        let page = web::page(PROFILE, around).inspect_err(|_| self.failed += 1)?;
+        Ok(self.page.insert(page).clone())
     }
 }
 
