@@ -29,7 +29,7 @@ tau_si = { distribution = "uniform", low = 0.98, high = 1.02, relative = true }
 peak_tension = { distribution = "uniform", low = "20 kPa", high = "510 kPa" }
 [sampling]
 sampler = "latin-hypercube"
-size = 240
+size = 960
 """
 
 RANK = f"""
@@ -38,7 +38,7 @@ import myospring
 from mpi4py.futures import MPIPoolExecutor
 if __name__ == "__main__":
     with MPIPoolExecutor() as executor:
-        myospring.run_study({STUDY!r}, executor, output=sys.argv[1], batch_seconds=0.3)
+        myospring.run_study({STUDY!r}, executor, output=sys.argv[1], batch_seconds=0.5)
 """
 
 
@@ -47,9 +47,13 @@ def killed_later(processes, most_s, found):
 
     def kill():
         time.sleep(found.uniform(0, most_s))
-        if alive := processes():
-            os.kill(found.choice(alive), signal.SIGKILL)
-            killed.append(1)
+        try:
+            if alive := processes():
+                os.kill(found.choice(alive), signal.SIGKILL)
+                killed.append(1)
+        except ProcessLookupError:
+            # It was done before.
+            pass
 
     killed = []
     thread = threading.Thread(target=kill)
@@ -69,7 +73,7 @@ def dask(rounds, found, folder, serial, seconds):
         ):
             workers = list(client.run(os.getpid).values())
             thread, killed = killed_later(lambda workers=workers: workers, seconds, found)
-            result = myospring.run_study(STUDY, client.get_executor(pure=False), output=output, batch_seconds=0.3)
+            result = myospring.run_study(STUDY, client.get_executor(pure=False), output=output, batch_seconds=0.5)
             thread.join()
         lost += len(killed)
         assert result.metrics.tobytes() == serial.metrics.tobytes(), number
