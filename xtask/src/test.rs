@@ -86,7 +86,7 @@ impl Checks {
         let engine = self.beside(&[Self::engine]);
         let mut failures = self.make(&Self::COMPILED);
         ready.join().ok();
-        // One long test at the end of a file, browsers and Python each leave a part of two cores idle.
+        // A long last test, browsers and Python each leave a core idle at times.
         let python = self.beside(&[Self::results, Self::package]);
         failures.extend(self.make(&Self::RUN));
         failures.extend(self.join(engine));
