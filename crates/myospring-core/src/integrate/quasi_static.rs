@@ -44,10 +44,10 @@ pub use tolerance::Tolerance;
 use crate::interruption::Interruption;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
-use crate::mechanics::{Body, Configuration, System, Vectors, zeros};
+use crate::mechanics::{Body, Configuration, System, add_scaled, zeros};
 use crate::mesh::Place;
-use equilibrium::{Failure, Rest, Solver, largest};
-use shapes::{Knot, interpolate};
+use equilibrium::{Failure, Kept, Rest, Solver, largest};
+use shapes::{Knot, between};
 use std::ops::Deref;
 
 /// If the error of a step of the least length exceeds the tolerance by this factor, the step leads
@@ -58,12 +58,38 @@ const TORN: f64 = 100.0;
 /// Longest load step, kPa, for a body that tension hardly moves.
 const LONGEST_STEP: f64 = 1000.0;
 
+/// Part of the first load step that is tried first where the factor of its beginning is to serve to its end.
+const SERVED: f64 = 0.125;
+
+/// Load steps that are shown to be stable together, where that is costly.
+const TOGETHER: usize = 2;
+
+/// Where a branch ends.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    knots: usize,
+    /// Length of the next load step, kPa.
+    step: f64,
+    error: f64,
+}
+
 /// The assessment of a load step.
 #[derive(Debug, Clone, Copy)]
 struct Judgement {
     /// Its error relative to the tolerance.
     ratio: f64,
     kept: bool,
+}
+
+/// What the search for a path has computed and would compute again, if that is costly. It is not part of a result: without it, and
+/// after it was cloned, the path is the same to the last bit.
+#[derive(Default)]
+pub struct Workspace<const D: usize>(Option<Kept<D>>);
+
+impl<const D: usize> Clone for Workspace<D> {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 /// Equilibria from tension 0 upward and downward, as far as requested.
@@ -160,6 +186,7 @@ impl<'a, const D: usize> Path<'a, D> {
             delay,
             newton_iterations,
             factorisations: solver.factorisations,
+            one_by_one: [false; 2],
         };
         Ok(Self { solver, shapes })
     }
@@ -169,15 +196,15 @@ impl<'a, const D: usize> Path<'a, D> {
     pub fn resume(
         system: &'a System<D>,
         body: &'a Body<D>,
-        shapes: Shapes<D>,
+        (shapes, workspace): (Shapes<D>, Workspace<D>),
         interruption: &Interruption,
     ) -> Self {
-        Self { solver: Solver::new(system, body, interruption), shapes }
+        Self { solver: Solver::continued(system, body, workspace.0, interruption), shapes }
     }
 
-    /// The shapes, without the body and its forces.
-    pub fn into_shapes(self) -> Shapes<D> {
-        self.shapes
+    /// The shapes, without the body and its forces, and what a path that continues need not compute again.
+    pub fn into_parts(self) -> (Shapes<D>, Workspace<D>) {
+        (self.shapes, Workspace(self.solver.keep()))
     }
 
     /// Extends the path to a tension in kPa, if it has not reached it yet.
@@ -199,8 +226,11 @@ impl<'a, const D: usize> Path<'a, D> {
         reached
     }
 
-    /// Load steps do not depend on the requested tension, and the last one goes beyond it, so the
+    /// Load steps do not depend on the requested tension, and the last ones go beyond it, so the
     /// path to a tension is bitwise the beginning of any longer path.
+    ///
+    /// Where factors are costly, load steps are found with the factor of one before, and a few of them are shown to be stable by that of
+    /// the last one, which then serves the next. If it shows the contrary, they are made again, each with its own factor.
     fn extend_branch(
         &mut self,
         side: usize,
@@ -210,38 +240,58 @@ impl<'a, const D: usize> Path<'a, D> {
         // The straight line from rest moves no point by more than a twentieth of the body.
         let rate = largest(&self.branches[side][0].slope).max(f64::MIN_POSITIVE);
         let first_step = (0.05 * self.extent / rate).min(LONGEST_STEP);
+        let mut shown = self.end(side);
         loop {
             let last = self.last(side).tension.abs();
-            if last >= tension {
+            let open = self.branches[side].len() - shown.knots;
+            if last >= tension && open == 0 {
                 return Ok(());
             }
             let first = self.branches[side].len() == 1;
             if self.steps[side] == 0.0 {
-                self.shapes.steps[side] = first_step;
+                let rest = &self.shapes.branches[side][0];
+                // Interrupted, it does not come to a step.
+                let _ = self.solver.stand(rest);
+                let part = if self.solver.keeps_factor() { SERVED } else { 1.0 };
+                self.shapes.steps[side] = part * first_step;
             }
             let reached = if first { self.tolerance.smallest_step * first_step } else { last };
             let smallest = self.tolerance.smallest_step * reached;
             let step = self.steps[side].clamp(smallest, LONGEST_STEP);
             let shortest = step <= smallest;
-            let tried = if first {
-                self.first_step(side, direction * step, shortest)
-            } else {
-                self.next_step(side, direction * step, shortest)
-            };
-            let failure = match tried {
+            let tried = self.try_step(side, open == 0, direction * step, shortest);
+            let mut failure = match tried {
                 Ok(Judgement { ratio, kept }) => {
                     // The next step keeps a margin below what the error allows.
                     self.shapes.steps[side] = step * (0.8 * ratio.powf(-0.25)).clamp(0.2, 3.0);
                     (shortest && !kept).then_some(Failure::NoRest)
                 }
-                // The path is then as before this step, so it can be continued.
-                Err(Failure::Interrupted) => return Err(PathError::Interrupted),
                 Err(failure) => {
                     self.shapes.steps[side] = 0.5 * step;
-                    (shortest || failure == Failure::TooLarge).then_some(failure)
+                    (shortest || matches!(failure, Failure::TooLarge | Failure::Interrupted))
+                        .then_some(failure)
                 }
             };
+            let open = self.branches[side].len() - shown.knots;
+            let ends = tried.is_err() || failure.is_some();
+            if open > 0 && (open >= TOGETHER || ends) && failure != Some(Failure::Interrupted) {
+                let last = &self.shapes.branches[side][shown.knots + open - 1];
+                match self.solver.stand(last) {
+                    Ok(true) => shown = self.end(side),
+                    Ok(false) => {
+                        self.go_back(side, shown);
+                        self.shapes.one_by_one[side] = true;
+                        failure = None;
+                    }
+                    Err(other) => failure = Some(other),
+                }
+            }
             if let Some(failure) = failure {
+                self.go_back(side, shown);
+                // The path is then as before these steps, so it can be continued.
+                if failure == Failure::Interrupted {
+                    return Err(PathError::Interrupted);
+                }
                 let Knot { tension, positions, .. } = self.last(side).clone();
                 let softest = self.solver.softest_node(&positions, tension.into());
                 let place =
@@ -252,24 +302,59 @@ impl<'a, const D: usize> Path<'a, D> {
         }
     }
 
+    /// Tries a load step; what the last ones have shown to be stable ends where it begins, unless others are open.
+    fn try_step(
+        &mut self,
+        side: usize,
+        all_shown: bool,
+        step: f64,
+        shortest: bool,
+    ) -> Result<Judgement, Failure> {
+        self.solver.nearby = !self.one_by_one[side];
+        let last = self.shapes.branches[side].last();
+        if let Some(last) = last.filter(|_| all_shown)
+            && !self.solver.stand(last)?
+        {
+            return Err(Failure::Indefinite);
+        }
+        if self.branches[side].len() == 1 {
+            self.first_step(side, step, shortest)
+        } else {
+            self.next_step(side, step, shortest)
+        }
+    }
+
+    /// The end of a branch as it is now.
+    fn end(&self, side: usize) -> End {
+        End { knots: self.branches[side].len(), step: self.steps[side], error: self.error }
+    }
+
+    /// Takes load steps back that are not shown to be stable.
+    fn go_back(&mut self, side: usize, end: End) {
+        if self.branches[side].len() > end.knots {
+            self.shapes.branches[side].truncate(end.knots);
+            self.shapes.steps[side] = end.step;
+            self.shapes.error = end.error;
+        }
+    }
+
     /// The farthest equilibrium of a branch.
     fn last(&self, side: usize) -> &Knot<D> {
         let branch = &self.branches[side];
         &branch[branch.len() - 1]
     }
 
-    fn find(&mut self, guess: &Vectors<D>, tension: f64) -> Result<(Knot<D>, f64), Failure> {
+    fn find(&mut self, guess: &Knot<D>) -> Result<(Knot<D>, f64), Failure> {
         let tolerance = self.tolerance.equilibrium * self.extent;
-        let found = self.solver.find(guess, tension, tolerance);
-        let Rest { positions, slope, corrections, .. } = found?;
+        let Rest { positions, slope, corrections, .. } = self.solver.find(guess, tolerance)?;
         self.shapes.newton_iterations += corrections.len();
         let mut missed = 0.0_f64;
         for axis in 0..D {
-            for (a, b) in positions[axis].iter().zip(&guess[axis]) {
+            for (a, b) in positions[axis].iter().zip(&guess.positions[axis]) {
                 missed = missed.max((a - b).abs());
             }
         }
-        Ok((Knot { tension, positions, slope }, missed))
+        Ok((Knot { tension: guess.tension, positions, slope }, missed))
     }
 
     /// Compares the error of a step with the tolerance; the knots are kept if it is within, or if
@@ -292,15 +377,10 @@ impl<'a, const D: usize> Path<'a, D> {
     /// the check.
     fn first_step(&mut self, side: usize, step: f64, shortest: bool) -> Result<Judgement, Failure> {
         let rest = self.branches[side][0].clone();
-        let mut guess = rest.positions.clone();
-        for axis in 0..D {
-            for (x, slope) in guess[axis].iter_mut().zip(&rest.slope[axis]) {
-                *x += step * slope;
-            }
-        }
-        let (end, _) = self.find(&guess, step)?;
-        interpolate(&rest, &end, 0.5 * step, &mut guess);
-        let (middle, missed) = self.find(&guess, 0.5 * step)?;
+        let mut guess = Knot { tension: step, ..rest.clone() };
+        add_scaled(&mut guess.positions, step, &rest.slope);
+        let (end, _) = self.find(&guess)?;
+        let (middle, missed) = self.find(&between(&rest, &end, 0.5 * step))?;
         // With half the length, a cubic has 1/16 of the error.
         Ok(self.judge(side, missed / 16.0, shortest, vec![middle, end]))
     }
@@ -309,9 +389,8 @@ impl<'a, const D: usize> Path<'a, D> {
         let branch = &self.branches[side];
         let (before, last) = (&branch[branch.len() - 2], &branch[branch.len() - 1]);
         let (done, tension) = (last.tension - before.tension, last.tension + step);
-        let mut guess = zeros(last.positions[0].len());
-        interpolate(before, last, tension, &mut guess);
-        let (knot, missed) = self.find(&guess, tension)?;
+        let guess = between(before, last, tension);
+        let (knot, missed) = self.find(&guess)?;
         let error = missed * (step / (4.0 * (done + step))).powi(2);
         Ok(self.judge(side, error, shortest, vec![knot]))
     }
@@ -373,3 +452,6 @@ fn check_forces<const D: usize>(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

@@ -13,7 +13,7 @@ use super::gauges::GAUGES;
 use super::setup::Assembly;
 use super::space::Space;
 use super::{SettingError, SetupError, Simulation, StopReason};
-use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance};
+use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance, Workspace};
 use crate::interruption::Interrupted;
 use crate::mechanics::{Configuration, Vectors, product, zeros};
 use std::sync::Arc;
@@ -62,6 +62,7 @@ pub struct Equilibria<const D: usize = 2, const N: usize = 3> {
 pub(super) struct Branch<const D: usize, const N: usize> {
     pub(super) assembly: Arc<Assembly<D>>,
     pub(super) shapes: Shapes<D>,
+    workspace: Workspace<D>,
     curve: Arc<Curve<D>>,
     /// Why they go no further.
     pub(super) end: Option<PathError>,
@@ -80,8 +81,8 @@ where
         let Assembly { system, body, .. } = &*assembly;
         let path = Path::start(system, body, tolerance, interruption)?;
         let curve = Arc::new(Curve::along(&path, simulation, &assembly)?);
-        let shapes = path.into_shapes();
-        Ok(Self { assembly, shapes, curve, end: None })
+        let (shapes, workspace) = path.into_parts();
+        Ok(Self { assembly, shapes, workspace, curve, end: None })
     }
 
     /// Solves further.
@@ -92,12 +93,13 @@ where
     ) -> Result<(), Interrupted> {
         let interruption = &simulation.interruption;
         let Assembly { system, body, .. } = &*self.assembly;
-        let mut path = Path::resume(system, body, self.shapes.clone(), interruption);
+        let found = (self.shapes.clone(), std::mem::take(&mut self.workspace));
+        let mut path = Path::resume(system, body, found, interruption);
         let end = further(&mut path).err();
         interruption.check()?;
         self.end = end;
         self.curve = Arc::new(Curve::along(&path, simulation, &self.assembly)?);
-        self.shapes = path.into_shapes();
+        (self.shapes, self.workspace) = path.into_parts();
         Ok(())
     }
 

@@ -160,7 +160,7 @@ fn a_path_goes_on_after_an_interruption_with_the_same_bits() {
     let mut path = Path::start(&system, &body, tolerance, &interruption).unwrap();
     assert_eq!(path.extend(50.0), Err(PathError::Interrupted));
     assert!(!path.reaches(50.0));
-    let mut path = Path::resume(&system, &body, path.into_shapes(), &never);
+    let mut path = Path::resume(&system, &body, path.into_parts(), &never);
     path.extend(50.0).unwrap();
     for tension in [10.0, 33.3, 50.0] {
         assert_eq!(path.positions(tension), whole.positions(tension));

@@ -189,7 +189,7 @@ fn the_path_to_a_tension_is_the_start_of_any_longer_one_to_the_last_bit() {
                 assert_eq!(path.positions(at), longest.positions(at), "{at} of {tension} kPa");
             }
             path.extend(120.0).unwrap();
-            assert_eq!(path.into_shapes().tensions(), longest.tensions());
+            assert_eq!(path.into_parts().0.tensions(), longest.tensions());
         }
     }
 }

@@ -12,7 +12,9 @@
 //! removes). A body that outer forces hold, such as an elastic bed, needs none of this.
 
 use super::factor::{Factor, FactorError};
-use super::{nearby, tied};
+use super::nearby::{self, Nearby};
+use super::shapes::Knot;
+use super::tied;
 use crate::interruption::Interruption;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
@@ -42,6 +44,9 @@ impl From<FactorError> for Failure {
     }
 }
 
+/// Iterations of Newton's method with a stiffness that is not positive definite, after which a guess was too far.
+const INDEFINITE: usize = 3;
+
 /// Largest number of iterations of Newton's method.
 const ITERATIONS: usize = 25;
 
@@ -51,6 +56,8 @@ const INEXACT: f64 = 1e-5;
 const EXACT: f64 = 1e-10;
 /// The same with a stiffness near one whose factor is known, for a correction: Newton's method leaves more of it.
 const NEARLY: f64 = 1e-3;
+/// The same for a slope, which is kept: far below what the interpolation between two tensions may be off.
+const SLOPE: f64 = 1e-7;
 
 /// A correction with an old factor is at most this part of the one before; otherwise the factor is too far from the stiffness.
 const FALLS: f64 = 0.3;
@@ -78,12 +85,38 @@ pub(super) struct Rest<const D: usize> {
     pub(super) compliance: f64,
 }
 
+/// What a solver has of a body: the pattern of its stiffness, and the factor at the tension (kPa) of one equilibrium.
+pub(super) struct Kept<const D: usize> {
+    factor: Factor<D>,
+    stiffness: StiffnessMatrix<D>,
+    stands_at: Option<f64>,
+}
+
+/// The coordinates that a solver moves: `free[axis][node]`.
+fn free<const D: usize>(system: &System<D>, body: &Body<D>) -> [Vec<bool>; D] {
+    let mut free: [Vec<bool>; D] = from_fn(|_| vec![true; body.len()]);
+    match &system.support {
+        Support::Clamped(nodes) => {
+            for axis in &mut free {
+                for &node in nodes {
+                    axis[node] = false;
+                }
+            }
+        }
+        Support::MassCentre | Support::Free if adrift(system) => {
+            hold_place(&body.positions, &mut free);
+        }
+        Support::MassCentre | Support::Free => {}
+    }
+    free
+}
+
 /// Finds equilibria of one body.
 pub(super) struct Solver<'a, const D: usize = 2> {
     system: &'a System<D>,
     body: &'a Body<D>,
     still: Vectors<D>,
-    factor: Factor<'a, D>,
+    factor: Factor<D>,
     stiffness: StiffnessMatrix<D>,
     /// Whether the factor is that of the stiffness, not of one nearby.
     is_factor: bool,
@@ -91,6 +124,10 @@ pub(super) struct Solver<'a, const D: usize = 2> {
     serves: bool,
     /// Equilibria that it has served.
     served: usize,
+    /// Whether equilibria are found with the factor of one nearby, if another one is costly.
+    pub(super) nearby: bool,
+    /// The tension of the equilibrium whose factor it is, kPa, if it is that of one.
+    stands_at: Option<f64>,
     /// Matrices factorised so far.
     pub(super) factorisations: usize,
     /// Checked within each factorisation.
@@ -103,33 +140,41 @@ impl<'a, const D: usize> Solver<'a, D> {
         body: &'a Body<D>,
         interruption: &Interruption,
     ) -> Self {
-        let count = body.len();
-        let mut free: [Vec<bool>; D] = from_fn(|_| vec![true; count]);
-        match &system.support {
-            Support::Clamped(nodes) => {
-                for axis in &mut free {
-                    for &node in nodes {
-                        axis[node] = false;
-                    }
-                }
-            }
-            Support::MassCentre | Support::Free if adrift(system) => {
-                hold_place(&body.positions, &mut free);
-            }
-            Support::MassCentre | Support::Free => {}
-        }
+        Self::continued(system, body, None, interruption)
+    }
+
+    /// A solver that goes on with what another one kept of the same body.
+    pub(super) fn continued(
+        system: &'a System<D>,
+        body: &'a Body<D>,
+        kept: Option<Kept<D>>,
+        interruption: &Interruption,
+    ) -> Self {
+        let Kept { factor, stiffness, stands_at } = kept.unwrap_or_else(|| Kept {
+            factor: Factor::new(free(system, body)),
+            stiffness: StiffnessMatrix::new(body.len()),
+            stands_at: None,
+        });
         Self {
             system,
             body,
-            still: zeros(count),
-            factor: Factor::new(&body.positions, free),
-            stiffness: StiffnessMatrix::new(count),
+            still: zeros(body.len()),
+            factor,
+            stiffness,
             is_factor: false,
             serves: false,
             served: 0,
+            nearby: true,
+            stands_at,
             factorisations: 0,
             interruption: interruption.clone(),
         }
+    }
+
+    /// What serves a solver that continues, where it is costly.
+    pub(super) fn keep(self) -> Option<Kept<D>> {
+        let Self { factor, stiffness, stands_at, .. } = self;
+        factor.is_costly().then_some(Kept { factor, stiffness, stands_at })
     }
 
     /// The body at its start.
@@ -184,11 +229,46 @@ impl<'a, const D: usize> Solver<'a, D> {
     /// Computes the stiffness; a factor that is costly stays that of the last one.
     fn approach(&mut self, positions: &Vectors<D>, tension: Tension<'_>) -> Result<(), Failure> {
         self.assemble(positions, tension);
-        if self.factor.is_costly() && self.system.compliance().is_none() {
+        if self.keeps_factor() {
             self.is_factor = false;
             return Ok(());
         }
         self.renew()
+    }
+
+    /// Whether a factor serves for equilibria nearby.
+    pub(super) fn keeps_factor(&self) -> bool {
+        self.nearby && self.factor.is_costly() && self.system.compliance().is_none()
+    }
+
+    /// Lets equilibria share factors or not, whatever these cost.
+    #[cfg(test)]
+    pub(super) fn share_factors(&mut self, shares: bool) {
+        self.factor.is_to_be_costly(shares);
+        self.stands_at = None;
+    }
+
+    /// Shows that an equilibrium is stable, by the factor of its stiffness, with which the next ones are found; returns whether it is. Where each
+    /// equilibrium has its own factor, all were shown already.
+    pub(super) fn stand(&mut self, at: &Knot<D>) -> Result<bool, Failure> {
+        let serves = self.nearby && self.system.compliance().is_none();
+        if !serves || self.stands_at == Some(at.tension) {
+            return Ok(true);
+        }
+        if !self.factor.is_analysed() {
+            self.assemble(&at.positions, at.tension.into());
+            self.factor.analyse(&self.body.positions, &self.stiffness, &self.interruption)?;
+        }
+        if !self.keeps_factor() {
+            return Ok(true);
+        }
+        self.assemble(&at.positions, at.tension.into());
+        match self.renew() {
+            Ok(()) => self.stands_at = Some(at.tension),
+            Err(Failure::Indefinite) => return Ok(false),
+            Err(failure) => return Err(failure),
+        }
+        Ok(true)
     }
 
     fn assemble(&mut self, positions: &Vectors<D>, tension: Tension<'_>) {
@@ -203,8 +283,8 @@ impl<'a, const D: usize> Solver<'a, D> {
     fn renew(&mut self) -> Result<(), Failure> {
         self.factorisations += 1;
         self.is_factor = true;
-        (self.serves, self.served) = (false, 0);
-        Ok(self.factor.factorise(&self.stiffness, &self.interruption)?)
+        (self.serves, self.served, self.stands_at) = (false, 0, None);
+        Ok(self.factor.factorise(&self.body.positions, &self.stiffness, &self.interruption)?)
     }
 
     /// Displacements (um) under forces (nN), with the last factor.
@@ -214,33 +294,37 @@ impl<'a, const D: usize> Solver<'a, D> {
 
     fn by_factor(&mut self, forces: &Vectors<D>, tolerance: f64) -> Vectors<D> {
         match self.system.compliance() {
-            Some(other) => tied::solve(&mut self.factor, other, forces, tolerance),
+            Some(other) => tied::solve(&self.factor, other, forces, tolerance),
             None => self.factor.solve(forces),
         }
     }
 
-    /// A correction (um) under forces (nN), with the last stiffness.
-    fn correct(&mut self, forces: &Vectors<D>) -> Result<Vectors<D>, Failure> {
+    /// A correction (um) under forces (nN), with the last stiffness, and whether it is near Newton's. Where the stiffness is not positive
+    /// definite, it is a direction in which the energy falls, or `renews` a failure.
+    fn correct(
+        &mut self,
+        forces: &Vectors<D>,
+        tolerance: f64,
+        renews: bool,
+    ) -> Result<(Vectors<D>, bool), Failure> {
         if !self.is_factor {
-            let moved = nearby::solve(&mut self.factor, &self.stiffness, forces, NEARLY);
-            if let Some(moved) = moved {
-                return Ok(moved);
+            match nearby::solve(&self.factor, &self.stiffness, forces, NEARLY, tolerance) {
+                Nearby::Solved(moved) => return Ok((moved, true)),
+                Nearby::Indefinite(moved) if !renews => {
+                    return Ok((moved, false));
+                }
+                _ => self.renew()?,
             }
-            self.renew()?;
         }
-        Ok(self.by_factor(forces, INEXACT))
+        Ok((self.by_factor(forces, INEXACT), true))
     }
 
-    /// The equilibrium under a uniform tension (kPa) near a guess, with its slope; corrections below
-    /// `tolerance` (um) end the search.
-    pub(super) fn find(
-        &mut self,
-        guess: &Vectors<D>,
-        tension: f64,
-        tolerance: f64,
-    ) -> Result<Rest<D>, Failure> {
-        let (positions, corrections) = self.settle(guess, tension.into(), tolerance, false)?;
-        self.at_rest(positions, tension, corrections)
+    /// The equilibrium at a tension near a guess, with its slope; corrections below `tolerance` (um) end the search.
+    pub(super) fn find(&mut self, guess: &Knot<D>, tolerance: f64) -> Result<Rest<D>, Failure> {
+        let Knot { tension, positions, slope } = guess;
+        let (positions, corrections) =
+            self.settle(positions, (*tension).into(), tolerance, false)?;
+        self.at_rest(positions, *tension, Some(slope), corrections)
     }
 
     /// As [`Solver::find`] without tension, where loads from outside may be far from a guess: a step to where the stiffness is
@@ -251,7 +335,10 @@ impl<'a, const D: usize> Solver<'a, D> {
         tolerance: f64,
     ) -> Result<Rest<D>, Failure> {
         let (positions, corrections) = self.settle(guess, 0.0.into(), tolerance, true)?;
-        self.at_rest(positions, 0.0, corrections)
+        if self.is_factor && positions == *guess {
+            self.stands_at = Some(0.0);
+        }
+        self.at_rest(positions, 0.0, None, corrections)
     }
 
     /// Moves the body to the equilibrium under any tension near a guess; returns the largest
@@ -344,6 +431,7 @@ impl<'a, const D: usize> Solver<'a, D> {
         if !energy[0].is_finite() {
             return Err(Failure::Indefinite);
         }
+        let mut indefinite = 0;
         for _ in 0..ITERATIONS {
             let forces = self.forces(&positions, tension);
             match (self.approach(&positions, tension), &mut last) {
@@ -355,13 +443,14 @@ impl<'a, const D: usize> Solver<'a, D> {
                 }
                 (factorised, _) => factorised?,
             }
-            let correction = self.correct(&forces)?;
+            let (correction, near) = self.correct(&forces, tolerance, indefinite >= INDEFINITE)?;
+            indefinite += usize::from(!near);
             let largest = largest(&correction);
             if !largest.is_finite() {
                 return Err(Failure::NoRest);
             }
             corrections.push(largest);
-            if largest <= tolerance {
+            if near && largest <= tolerance {
                 // A body that is already at rest is not changed.
                 if corrections.len() > 1 || largest > 1e-3 * tolerance {
                     positions = moved(&positions, &correction, 1.0);
@@ -422,19 +511,30 @@ impl<'a, const D: usize> Solver<'a, D> {
         (0..count).max_by(|&a, &b| square(a).total_cmp(&square(b)))
     }
 
-    /// Removes rigid motion and computes the slope, from the last stiffness, whose factor shows that it is positive definite.
+    /// Removes rigid motion and computes the slope, from the last stiffness. Its factor, if there is one, shows that it is positive definite.
     fn at_rest(
         &mut self,
         positions: Vectors<D>,
         tension: f64,
+        guess: Option<&Vectors<D>>,
         corrections: Vec<f64>,
     ) -> Result<Rest<D>, Failure> {
         let load = self.load(&positions, tension);
         // 0 = d f/d Ta = load - K dx/dTa
-        if !self.is_factor {
-            self.renew()?;
-        }
-        let slope = self.response(&load);
+        let slope = match guess.filter(|_| !self.is_factor) {
+            Some(guess) => {
+                nearby::solve_from(&self.factor, &self.stiffness, &load, guess, SLOPE).solved()
+            }
+            None => None,
+        };
+        let slope = if let Some(slope) = slope {
+            slope
+        } else {
+            if !self.is_factor {
+                self.renew()?;
+            }
+            self.response(&load)
+        };
         let compliance = product(&slope, &load);
         let (positions, slope) = match self.system.support {
             Support::MassCentre | Support::Free if adrift(self.system) => {
@@ -621,7 +721,14 @@ mod tests {
                 20.0,
             );
             let rest = Solver::new(&system, &body, &Interruption::default())
-                .find(&body.positions, 50.0, 1e-9)
+                .find(
+                    &Knot {
+                        tension: 50.0,
+                        positions: body.positions.clone(),
+                        slope: zeros(body.len()),
+                    },
+                    1e-9,
+                )
                 .unwrap();
             let sizes = rest.corrections;
             // Once near, each correction is of the order of the square of the one before, in um.

@@ -23,9 +23,7 @@ use fronts::{Front, Fronts};
 use std::ops::Range;
 
 /// A factor that is recomputed for each stiffness.
-pub(super) struct Factor<'a, const D: usize = 2> {
-    /// Positions, um, for the dissection.
-    positions: &'a Vectors<D>,
+pub(super) struct Factor<const D: usize = 2> {
     /// `free[axis][node]`
     free: [Vec<bool>; D],
     /// Number of blocks of the stiffness for which the fronts were determined.
@@ -33,6 +31,10 @@ pub(super) struct Factor<'a, const D: usize = 2> {
     fronts: Option<Fronts<D>>,
     /// Columns of the factor, front by front.
     entries: Vec<f64>,
+    /// The same in half of the memory, if the factor is costly.
+    rounded: Vec<f32>,
+    /// Products for each entry from which on it is costly.
+    costly: f64,
     room: Room,
 }
 
@@ -143,46 +145,73 @@ impl<const D: usize> Elimination<'_, D> {
     }
 }
 
-impl<'a, const D: usize> Factor<'a, D> {
-    /// A factor for a body with its nodes near these positions (um) and these free coordinates:
-    /// `free[axis][node]`.
-    pub(super) fn new(positions: &'a Vectors<D>, free: [Vec<bool>; D]) -> Self {
+impl<const D: usize> Factor<D> {
+    /// A factor for a body with these free coordinates: `free[axis][node]`.
+    pub(super) fn new(free: [Vec<bool>; D]) -> Self {
         Self {
-            positions,
             free,
             blocks: 0,
             fronts: None,
             entries: Vec::new(),
+            rounded: Vec::new(),
+            costly: COSTLY,
             room: Room::default(),
         }
     }
 
-    /// Factorises a stiffness.
-    pub(super) fn factorise(
+    /// Takes factors to be costly or not, whatever they cost.
+    #[cfg(test)]
+    pub(super) fn is_to_be_costly(&mut self, costly: bool) {
+        self.costly = if costly { 0.0 } else { f64::INFINITY };
+    }
+
+    /// Whether order and pattern are known.
+    pub(super) fn is_analysed(&self) -> bool {
+        self.fronts.is_some()
+    }
+
+    /// Determines order and pattern of a stiffness between nodes near these positions (um), as far as they are not known; the factor is
+    /// then still to be made.
+    pub(super) fn analyse(
         &mut self,
+        positions: &Vectors<D>,
         stiffness: &StiffnessMatrix<D>,
         interruption: &Interruption,
     ) -> Result<(), FactorError> {
-        let fronts = match self.fronts.take() {
-            Some(fronts) if self.blocks == stiffness.blocks() => fronts,
-            _ => self.find_fronts(stiffness, interruption)?,
-        };
-        self.blocks = stiffness.blocks();
+        if self.fronts.is_none() || self.blocks != stiffness.blocks() {
+            self.fronts = None;
+            self.fronts = Some(self.find_fronts(positions, stiffness, interruption)?);
+            self.blocks = stiffness.blocks();
+        }
+        Ok(())
+    }
+
+    /// Factorises a stiffness between nodes near these positions (um).
+    pub(super) fn factorise(
+        &mut self,
+        positions: &Vectors<D>,
+        stiffness: &StiffnessMatrix<D>,
+        interruption: &Interruption,
+    ) -> Result<(), FactorError> {
+        self.analyse(positions, stiffness, interruption)?;
         self.room.clear();
-        let Self { free, entries, room, .. } = self;
-        let elimination = Elimination { stiffness, free, fronts: &fronts, interruption };
-        let done = match fronts.list.last() {
-            Some(root) => elimination.subtree(root, (0, entries), room),
-            None => Ok(()),
-        };
-        self.fronts = Some(fronts);
-        done
+        let Self { free, fronts, entries, room, .. } = self;
+        let Some(fronts) = fronts else { return Ok(()) };
+        let elimination = Elimination { stiffness, free, fronts, interruption };
+        if let Some(root) = fronts.list.last() {
+            elimination.subtree(root, (0, entries), room)?;
+        }
+        if self.is_costly() {
+            self.rounded.clear();
+            self.rounded.extend(self.entries.iter().map(|entry| *entry as f32));
+        }
+        Ok(())
     }
 
     /// Whether a new factor costs much more than some uses of the last one.
     pub(super) fn is_costly(&self) -> bool {
         let root = self.fronts.as_ref().and_then(|fronts| fronts.list.last());
-        root.is_some_and(|root| root.work > COSTLY * self.entries.len() as f64)
+        root.is_some_and(|root| root.work > self.costly * self.entries.len() as f64)
     }
 
     /// Sets held coordinates to 0.
@@ -197,16 +226,13 @@ impl<'a, const D: usize> Factor<'a, D> {
 
     fn find_fronts(
         &mut self,
+        positions: &Vectors<D>,
         stiffness: &StiffnessMatrix<D>,
         interruption: &Interruption,
     ) -> Result<Fronts<D>, FactorError> {
         let graph = Graph::new(stiffness);
-        let fronts = Fronts::new(
-            stiffness,
-            &graph,
-            dissect(&graph, self.positions, interruption),
-            interruption,
-        )?;
+        let fronts =
+            Fronts::new(stiffness, &graph, dissect(&graph, positions, interruption), interruption)?;
         let reserve = |memory: &mut Vec<f64>, size: usize| {
             memory.clear();
             memory.try_reserve_exact(size).map_err(|_| FactorError::TooLarge)
@@ -222,7 +248,20 @@ impl<'a, const D: usize> Factor<'a, D> {
     /// Displacements (um) under forces (nN) on the free coordinates; held ones do not move.
     ///
     /// Uses the last factorised stiffness.
-    pub(super) fn solve(&mut self, forces: &Vectors<D>) -> Vectors<D> {
+    pub(super) fn solve(&self, forces: &Vectors<D>) -> Vectors<D> {
+        self.solve_by(&self.entries, forces)
+    }
+
+    /// The same to some six digits, for a costly factor in half of the time: its use is bound by memory.
+    pub(super) fn solve_roughly(&self, forces: &Vectors<D>) -> Vectors<D> {
+        self.solve_by(&self.rounded, forces)
+    }
+
+    fn solve_by<T: Copy + Into<f64> + Sync>(
+        &self,
+        entries: &[T],
+        forces: &Vectors<D>,
+    ) -> Vectors<D> {
         let mut moved = forces.each_ref().map(|axis| vec![0.0; axis.len()]);
         let Some(Fronts { order, list, .. }) = &self.fronts else { return moved };
         let mut right = vec![0.0; D * order.len()];
@@ -233,8 +272,7 @@ impl<'a, const D: usize> Factor<'a, D> {
                 }
             }
         }
-        let substitution =
-            Substitution { fronts: list, entries: &self.entries, apart: self.is_costly() };
+        let substitution = Substitution { fronts: list, entries, apart: self.is_costly() };
         if let Some(root) = list.len().checked_sub(1) {
             substitution.forward(root, &mut right);
             substitution.backward(root, &mut right);
@@ -251,14 +289,14 @@ impl<'a, const D: usize> Factor<'a, D> {
 }
 
 /// The use of a factor: what each front does to the right side, from below and then from above.
-struct Substitution<'a, const D: usize> {
+struct Substitution<'a, T, const D: usize> {
     fronts: &'a [Front<D>],
-    entries: &'a [f64],
+    entries: &'a [T],
     /// Whether halves of large sets are left to two threads.
     apart: bool,
 }
 
-impl<const D: usize> Substitution<'_, D> {
+impl<T: Copy + Into<f64> + Sync, const D: usize> Substitution<'_, T, D> {
     /// Both halves of a front, if they are worth two threads.
     fn halves(&self, front: &Front<D>) -> Option<[usize; 2]> {
         let [Some(one), Some(other)] = front.halves else { return None };

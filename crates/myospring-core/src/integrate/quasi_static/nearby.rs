@@ -3,49 +3,99 @@
 //! The method of conjugate gradients (`hestenes_1952`) with that factor as its preconditioner: the nearer both are, the fewer rounds. Where
 //! a factor is costly, some rounds take less time than another one.
 
+use super::equilibrium::largest;
 use super::factor::Factor;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::{Vectors, add_scaled, product, zeros};
 
 /// Rounds after which another factor is better, and by what part at least the rest falls in each, but for the first ones.
-const ROUNDS: i32 = 12;
+const ROUNDS: i32 = 15;
 const FALL: f64 = 1.0 / 3.0;
-const NEAR: f64 = 4.0;
+const NEAR: f64 = 30.0;
 
-/// Displacements (um) under forces (nN) up to `tolerance`, a part of them; `None` if the factor is too far from the stiffness, or that is
-/// not positive definite in a direction that was met.
+/// Displacements, um, and how well they agree with the forces.
+pub(super) enum Nearby<const D: usize> {
+    /// Up to the tolerance.
+    Solved(Vectors<D>),
+    /// The factor is too far from the stiffness.
+    Slow,
+    /// The stiffness is not positive definite; the energy falls in this direction.
+    Indefinite(Vectors<D>),
+}
+
+impl<const D: usize> Nearby<D> {
+    pub(super) fn solved(self) -> Option<Vectors<D>> {
+        match self {
+            Self::Solved(moved) => Some(moved),
+            Self::Slow | Self::Indefinite(_) => None,
+        }
+    }
+}
+
+/// Displacements (um) under forces (nN) up to `tolerance`, a part of them; not that well if they are below `small`, um.
 pub(super) fn solve<const D: usize>(
-    factor: &mut Factor<'_, D>,
+    factor: &Factor<D>,
     stiffness: &StiffnessMatrix<D>,
     forces: &Vectors<D>,
     tolerance: f64,
-) -> Option<Vectors<D>> {
-    let mut moved = zeros::<D>(forces[0].len());
+    small: f64,
+) -> Nearby<D> {
+    let enough = |first: f64| tolerance * tolerance * first;
+    improve(factor, stiffness, zeros(forces[0].len()), forces.clone(), enough, small)
+}
+
+/// As [`solve`], from displacements that are nearly right: they differ at the end by `tolerance`, a part of them.
+pub(super) fn solve_from<const D: usize>(
+    factor: &Factor<D>,
+    stiffness: &StiffnessMatrix<D>,
+    forces: &Vectors<D>,
+    guess: &Vectors<D>,
+    tolerance: f64,
+) -> Nearby<D> {
     let mut left = forces.clone();
+    add_scaled(&mut left, -1.0, &stiffness.times(guess));
+    let whole = product(forces, guess).abs();
+    improve(factor, stiffness, guess.clone(), left, |_| tolerance * tolerance * whole, 0.0)
+}
+
+/// Adds to displacements what the forces that are left move, until twice the energy of that is as small as `enough` says, given what it was.
+fn improve<const D: usize>(
+    factor: &Factor<D>,
+    stiffness: &StiffnessMatrix<D>,
+    mut moved: Vectors<D>,
+    mut left: Vectors<D>,
+    enough: impl Fn(f64) -> f64,
+    small: f64,
+) -> Nearby<D> {
     factor.hold(&mut left);
-    let mut next = factor.solve(&left);
+    let mut next = factor.solve_roughly(&left);
+    if largest(&next) <= small {
+        add_scaled(&mut moved, 1.0, &next);
+        return Nearby::Solved(moved);
+    }
     let mut direction = next.clone();
     let first = product(&left, &next);
     let mut size = first;
+    let enough = enough(first);
     for round in 0..ROUNDS {
         // Both are squares in the norm of the factor.
-        if size <= tolerance * tolerance * first {
-            return Some(moved);
+        if size <= enough {
+            return Nearby::Solved(moved);
         }
         let near = NEAR * FALL.powi(round);
         if size.is_nan() || size > near * near * first {
-            return None;
+            break;
         }
         let mut pulled = stiffness.times(&direction);
         factor.hold(&mut pulled);
         let bent = product(&direction, &pulled);
         if bent.is_nan() || bent <= 0.0 {
-            return None;
+            return Nearby::Indefinite(if round == 0 { direction } else { moved });
         }
         let step = size / bent;
         add_scaled(&mut moved, step, &direction);
         add_scaled(&mut left, -step, &pulled);
-        next = factor.solve(&left);
+        next = factor.solve_roughly(&left);
         let was = std::mem::replace(&mut size, product(&left, &next));
         for (axis, next) in direction.iter_mut().zip(&next) {
             for (value, next) in axis.iter_mut().zip(next) {
@@ -53,5 +103,5 @@ pub(super) fn solve<const D: usize>(
             }
         }
     }
-    None
+    Nearby::Slow
 }

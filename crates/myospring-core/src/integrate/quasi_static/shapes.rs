@@ -2,6 +2,7 @@
 
 use super::tolerance::Tolerance;
 use crate::mechanics::{Vectors, add_scaled, zeros};
+use std::array::from_fn;
 
 /// The end of one load step.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +29,8 @@ pub struct Shapes<const D: usize = 2> {
     pub(super) delay: f64,
     pub(super) newton_iterations: usize,
     pub(super) factorisations: usize,
+    /// Branches of which each load step is shown to be stable by its own factor, since several at once were not.
+    pub(super) one_by_one: [bool; 2],
 }
 
 impl<const D: usize> Shapes<D> {
@@ -107,8 +110,8 @@ impl<const D: usize> Shapes<D> {
         self.newton_iterations
     }
 
-    /// Number of factorised matrices: one for each iteration, including steps that did not
-    /// converge.
+    /// Number of factorised matrices, including those of steps that did not converge: one for each iteration, or where they are
+    /// costly (thick cells) one for some load steps.
     pub fn factorisations(&self) -> usize {
         self.factorisations
     }
@@ -134,4 +137,22 @@ pub(super) fn interpolate<const D: usize>(
             *position = x0[node] + moved;
         }
     }
+}
+
+/// The knot that this cubic has at a tension.
+pub(super) fn between<const D: usize>(from: &Knot<D>, to: &Knot<D>, tension: f64) -> Knot<D> {
+    let mut positions = zeros(from.positions[0].len());
+    interpolate(from, to, tension, &mut positions);
+    let width = to.tension - from.tension;
+    let s = (tension - from.tension) / width;
+    let [end, leave, arrive] =
+        [6.0 * s * (1.0 - s) / width, (1.0 - s) * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)];
+    let slope = from_fn(|axis| {
+        let ends = from.positions[axis].iter().zip(&to.positions[axis]);
+        let slopes = from.slope[axis].iter().zip(&to.slope[axis]);
+        ends.zip(slopes)
+            .map(|((x0, x1), (d0, d1))| end * (x1 - x0) + leave * d0 + arrive * d1)
+            .collect()
+    });
+    Knot { tension, positions, slope }
 }

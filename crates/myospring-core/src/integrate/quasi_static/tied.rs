@@ -24,7 +24,7 @@ const ROUNDS: usize = 200;
 
 /// Displacements (um) of all nodes under forces (nN), up to `tolerance`, a part of the forces on the other body.
 pub(super) fn solve<const D: usize>(
-    factor: &mut Factor<'_, D>,
+    factor: &Factor<D>,
     other: &dyn Compliance<D>,
     forces: &Vectors<D>,
     tolerance: f64,

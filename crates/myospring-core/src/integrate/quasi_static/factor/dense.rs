@@ -73,16 +73,16 @@ impl WithSimd for Eliminate<'_> {
 
 /// The columns of a front that were eliminated, and the right side at them. Loops have the same order and no fused operations, so results
 /// are bitwise the same with any vector units.
-pub(super) struct Eliminated<'a> {
+pub(super) struct Eliminated<'a, T> {
     /// `L` over `M`.
-    pub(super) panel: &'a [f64],
+    pub(super) panel: &'a [T],
     /// The right side at the columns.
     pub(super) own: &'a mut [f64],
     /// At the other rows: what the columns take from it, or its solution.
     pub(super) border: &'a mut [f64],
 }
 
-impl Eliminated<'_> {
+impl<T: Copy + Into<f64>> Eliminated<'_, T> {
     /// Solves with `L`, and adds up what `M` takes from the other rows.
     pub(super) fn take_off(self) {
         // Parts that do not touch have no separator.
@@ -101,9 +101,9 @@ impl Eliminated<'_> {
     }
 }
 
-struct TakeOff<'a>(Eliminated<'a>);
+struct TakeOff<'a, T>(Eliminated<'a, T>);
 
-impl WithSimd for TakeOff<'_> {
+impl<T: Copy + Into<f64>> WithSimd for TakeOff<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -112,22 +112,22 @@ impl WithSimd for TakeOff<'_> {
         let Eliminated { panel, own, border } = self.0;
         let (columns, rows) = (own.len(), own.len() + border.len());
         for (column, entries) in panel.chunks_exact(rows).enumerate() {
-            let value = own[column] / entries[column];
+            let value = own[column] / entries[column].into();
             own[column] = value;
             let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
             for (sum, entry) in own[column + 1..].iter_mut().zip(inner) {
-                *sum -= value * entry;
+                *sum -= value * (*entry).into();
             }
             for (sum, entry) in border.iter_mut().zip(outer) {
-                *sum += value * entry;
+                *sum += value * (*entry).into();
             }
         }
     }
 }
 
-struct PutBack<'a>(Eliminated<'a>);
+struct PutBack<'a, T>(Eliminated<'a, T>);
 
-impl WithSimd for PutBack<'_> {
+impl<T: Copy + Into<f64>> WithSimd for PutBack<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -138,7 +138,7 @@ impl WithSimd for PutBack<'_> {
         for (column, entries) in panel.chunks_exact(rows).enumerate().rev() {
             let (inner, outer) = entries[column + 1..].split_at(columns - column - 1);
             let sum = dot(inner, &own[column + 1..]) + dot(outer, border);
-            own[column] = (own[column] - sum) / entries[column];
+            own[column] = (own[column] - sum) / entries[column].into();
         }
     }
 }
@@ -146,15 +146,15 @@ impl WithSimd for PutBack<'_> {
 /// Scalar product in eight partial sums, for vector units.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+fn dot<T: Copy + Into<f64>>(a: &[T], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     for (a, b) in a.iter().zip(b) {
         for lane in 0..8 {
-            lanes[lane] += a[lane] * b[lane];
+            lanes[lane] += a[lane].into() * b[lane];
         }
     }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| (*a).into() * b).sum();
     lanes.iter().sum::<f64>() + rest
 }
 

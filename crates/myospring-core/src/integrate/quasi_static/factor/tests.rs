@@ -87,8 +87,8 @@ fn residual(stiffness: &StiffnessMatrix, free: &Free, forces: &Vectors, moved: &
 }
 
 fn check(positions: &Vectors, stiffness: &StiffnessMatrix, free: &Free) {
-    let mut factor = Factor::new(positions, free.clone());
-    factor.factorise(stiffness, &Interruption::default()).unwrap();
+    let mut factor = Factor::new(free.clone());
+    factor.factorise(positions, stiffness, &Interruption::default()).unwrap();
     let forces = some_forces(stiffness.len());
     let off = residual(stiffness, free, &forces, &factor.solve(&forces));
     // Rounding, times the condition of these matrices (below a million).
@@ -101,8 +101,8 @@ fn a_chain_held_at_one_end_stretches_as_springs_in_series() {
         let (positions, stiffness) = chain(count);
         let mut free = all_free(count);
         (free[0][0], free[1][0]) = (false, false);
-        let mut factor = Factor::new(&positions, free);
-        factor.factorise(&stiffness, &Interruption::default()).unwrap();
+        let mut factor = Factor::new(free);
+        factor.factorise(&positions, &stiffness, &Interruption::default()).unwrap();
         let mut forces = zeros(count);
         (forces[0][count - 1], forces[1][count - 1]) = (3.0, 4.0);
         // What pulls at a held node moves nothing.
@@ -120,15 +120,15 @@ fn a_chain_held_at_one_end_stretches_as_springs_in_series() {
 #[test]
 fn a_negative_spring_is_found_out_and_a_mended_one_is_factorised() {
     let positions = [vec![0.0, 1.0], vec![0.0; 2]];
-    let mut factor = Factor::new(&positions, [vec![false, true], vec![false, true]]);
+    let mut factor = Factor::new([vec![false, true], vec![false, true]]);
     let mut stiffness = StiffnessMatrix::new(2);
     stiffness.add_pair(0, 1, [[1.0, 0.0], [0.0, -0.1]]);
     assert_eq!(
-        factor.factorise(&stiffness, &Interruption::default()),
+        factor.factorise(&positions, &stiffness, &Interruption::default()),
         Err(FactorError::Indefinite)
     );
     stiffness.add_pair(0, 1, [[0.0, 0.0], [0.0, 0.2]]);
-    assert_eq!(factor.factorise(&stiffness, &Interruption::default()), Ok(()));
+    assert_eq!(factor.factorise(&positions, &stiffness, &Interruption::default()), Ok(()));
 }
 
 #[test]
@@ -140,13 +140,13 @@ fn one_soft_node_anywhere_makes_a_stiffness_indefinite() {
             block[axis][axis] = -10.0;
             let mut soft = stiffness.clone();
             soft.add(node, node, block);
-            let mut factor = Factor::new(&positions, all_free(300));
+            let mut factor = Factor::new(all_free(300));
             assert_eq!(
-                factor.factorise(&soft, &Interruption::default()),
+                factor.factorise(&positions, &soft, &Interruption::default()),
                 Err(FactorError::Indefinite),
                 "{node}"
             );
-            factor.factorise(&stiffness, &Interruption::default()).unwrap();
+            factor.factorise(&positions, &stiffness, &Interruption::default()).unwrap();
         }
     }
 }
@@ -158,9 +158,9 @@ fn what_is_not_a_number_is_not_positive_definite() {
         for (a, b) in [(3, 3), (3, 4), (40, 41)] {
             let mut broken = stiffness.clone();
             broken.add(a, b, [[value, 0.0], [0.0, 0.0]]);
-            let mut factor = Factor::new(&positions, all_free(81));
+            let mut factor = Factor::new(all_free(81));
             assert_eq!(
-                factor.factorise(&broken, &Interruption::default()),
+                factor.factorise(&positions, &broken, &Interruption::default()),
                 Err(FactorError::Indefinite),
                 "{value}"
             );
@@ -171,23 +171,23 @@ fn what_is_not_a_number_is_not_positive_definite() {
 #[test]
 fn nothing_one_node_and_a_node_without_stiffness() {
     let nothing = zeros(0);
-    let mut factor = Factor::new(&nothing, all_free(0));
-    factor.factorise(&StiffnessMatrix::new(0), &Interruption::default()).unwrap();
+    let mut factor = Factor::new(all_free(0));
+    factor.factorise(&nothing, &StiffnessMatrix::new(0), &Interruption::default()).unwrap();
     assert_eq!(factor.solve(&zeros(0)), zeros(0));
 
     let one = zeros(1);
     let mut stiffness = StiffnessMatrix::new(1);
-    let mut factor = Factor::new(&one, all_free(1));
+    let mut factor = Factor::new(all_free(1));
     assert_eq!(
-        factor.factorise(&stiffness, &Interruption::default()),
+        factor.factorise(&one, &stiffness, &Interruption::default()),
         Err(FactorError::Indefinite)
     );
     stiffness.add(0, 0, [[4.0, 0.0], [0.0, 16.0]]);
-    factor.factorise(&stiffness, &Interruption::default()).unwrap();
+    factor.factorise(&one, &stiffness, &Interruption::default()).unwrap();
     assert_eq!(factor.solve(&[vec![1.0], vec![1.0]]), [vec![0.25], vec![0.0625]]);
 
-    let mut held = Factor::new(&one, [vec![false], vec![false]]);
-    held.factorise(&StiffnessMatrix::new(1), &Interruption::default()).unwrap();
+    let mut held = Factor::new([vec![false], vec![false]]);
+    held.factorise(&one, &StiffnessMatrix::new(1), &Interruption::default()).unwrap();
     assert_eq!(held.solve(&[vec![1.0], vec![1.0]]), zeros(1));
 }
 
@@ -259,15 +259,15 @@ fn a_factor_made_again_and_another_have_the_same_bits() {
     let mut other = stiffness.clone();
     other.add(17, 17, [[1.0, 0.2], [0.2, 3.0]]);
     let forces = some_forces(900);
-    let mut factor = Factor::new(&positions, all_free(900));
-    factor.factorise(&stiffness, &Interruption::default()).unwrap();
+    let mut factor = Factor::new(all_free(900));
+    factor.factorise(&positions, &stiffness, &Interruption::default()).unwrap();
     let first = factor.solve(&forces);
-    factor.factorise(&other, &Interruption::default()).unwrap();
+    factor.factorise(&positions, &other, &Interruption::default()).unwrap();
     assert_ne!(factor.solve(&forces), first);
-    factor.factorise(&stiffness, &Interruption::default()).unwrap();
+    factor.factorise(&positions, &stiffness, &Interruption::default()).unwrap();
     assert_eq!(factor.solve(&forces), first);
-    let mut another = Factor::new(&positions, all_free(900));
-    another.factorise(&stiffness, &Interruption::default()).unwrap();
+    let mut another = Factor::new(all_free(900));
+    another.factorise(&positions, &stiffness, &Interruption::default()).unwrap();
     assert_eq!(another.solve(&forces), first);
 }
 
@@ -275,10 +275,10 @@ fn a_factor_made_again_and_another_have_the_same_bits() {
 fn nodes_that_meet_later_are_known() {
     let (positions, mut stiffness) = grid(12, 12, |_, _| true);
     let forces = some_forces(144);
-    let mut factor = Factor::new(&positions, all_free(144));
-    factor.factorise(&stiffness, &Interruption::default()).unwrap();
+    let mut factor = Factor::new(all_free(144));
+    factor.factorise(&positions, &stiffness, &Interruption::default()).unwrap();
     stiffness.add_pair(0, 143, [[5.0, 1.0], [1.0, 4.0]]);
-    factor.factorise(&stiffness, &Interruption::default()).unwrap();
+    factor.factorise(&positions, &stiffness, &Interruption::default()).unwrap();
     let off = residual(&stiffness, &all_free(144), &forces, &factor.solve(&forces));
     assert!(off < 1e-12, "{off:e}");
 }
@@ -287,8 +287,8 @@ fn nodes_that_meet_later_are_known() {
 fn the_factor_of_a_square_is_as_sparse_as_nested_dissection_makes_it() {
     let side = 96_usize;
     let (positions, stiffness) = grid(side, side, |_, _| true);
-    let mut factor = Factor::new(&positions, all_free(side * side));
-    factor.factorise(&stiffness, &Interruption::default()).unwrap();
+    let mut factor = Factor::new(all_free(side * side));
+    factor.factorise(&positions, &stiffness, &Interruption::default()).unwrap();
     // george_1973: 31/4 n^2 log2 n entries for n x n nodes (here four a pair) and a smaller term; banded,
     // it would be n^3.
     let (n, entries) = (side as f64, factor.entries.len() as f64);
@@ -401,8 +401,8 @@ proptest! {
         let forces = some_forces(stiffness.len());
         let expected = by_dense_factor(&stiffness, &free, &forces);
         prop_assert!(expected.is_some());
-        let mut factor = Factor::new(&positions, free);
-        prop_assert_eq!(factor.factorise(&stiffness, &Interruption::default()), Ok(()));
+        let mut factor = Factor::new(free);
+        prop_assert_eq!(factor.factorise(&positions, &stiffness, &Interruption::default()), Ok(()));
         let moved = factor.solve(&forces);
         for (a, b) in moved.iter().flatten().zip(expected.iter().flatten().flatten()) {
             // Eigenvalues lie between 0.1 and some hundreds: rounding times a condition of thousands.
@@ -420,7 +420,7 @@ proptest! {
             soft.add(node, node, [[-less, 0.0], [0.0, -less]]);
         }
         let forces = some_forces(soft.len());
-        let found = Factor::new(&positions, free.clone()).factorise(&soft, &Interruption::default()).is_ok();
+        let found = Factor::new(free.clone()).factorise(&positions, &soft, &Interruption::default()).is_ok();
         prop_assert_eq!(found, by_dense_factor(&soft, &free, &forces).is_some());
     }
 }
