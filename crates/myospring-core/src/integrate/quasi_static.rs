@@ -62,7 +62,7 @@ const LONGEST_STEP: f64 = 1000.0;
 const SERVED: f64 = 0.125;
 
 /// Load steps that are shown to be stable together, where that is costly.
-const TOGETHER: usize = 2;
+const TOGETHER: usize = 3;
 
 /// Where a branch ends.
 #[derive(Debug, Clone, Copy)]
@@ -274,7 +274,8 @@ impl<'a, const D: usize> Path<'a, D> {
             };
             let open = self.branches[side].len() - shown.knots;
             let ends = tried.is_err() || failure.is_some();
-            if open > 0 && (open >= TOGETHER || ends) && failure != Some(Failure::Interrupted) {
+            let together = if self.solver.keeps_factor() { TOGETHER } else { 1 };
+            if open > 0 && (open >= together || ends) && failure != Some(Failure::Interrupted) {
                 let last = &self.shapes.branches[side][shown.knots + open - 1];
                 match self.solver.stand(last) {
                     Ok(true) => shown = self.end(side),

@@ -41,9 +41,10 @@ pub(super) struct Factor<const D: usize = 2> {
 /// Halves with less work than this, in products, are not worth a second thread.
 const WORTH_A_THREAD: f64 = 1e7;
 
-/// A factor is costly from this many products for each of its entries on. One more then takes as long as some fifteen uses of the last
-/// one, since elimination is bound by the processor and use by memory.
-const COSTLY: f64 = 500.0;
+/// A factor is costly from this many products for each of its entries on, of a flat and of a thick body. One more then takes longer than
+/// the uses of the last one that replace it: elimination is bound by the processor, use by memory. Thick bodies keep their volume, so that
+/// guesses are more often unstable and a factor of their own is made in vain.
+const COSTLY: [f64; 2] = [500.0, 200.0];
 
 /// Memory of one thread.
 #[derive(Default)]
@@ -154,7 +155,7 @@ impl<const D: usize> Factor<D> {
             fronts: None,
             entries: Vec::new(),
             rounded: Vec::new(),
-            costly: COSTLY,
+            costly: COSTLY[usize::from(D > 2)],
             room: Room::default(),
         }
     }

@@ -40,6 +40,15 @@ fn strip(support: SupportKind) -> (Body, System) {
     assemble(&mesh, &material, ActiveLaw::Fibre, &fibres, support, [1.0, 0.0], 100.0)
 }
 
+#[test]
+fn a_path_whose_steps_have_their_own_factors_goes_one_step_beyond_the_tension() {
+    let (body, system) = strip(SupportKind::MassCentre);
+    let mut path = start(&system, &body, false);
+    path.extend(20.0).unwrap();
+    let tensions = path.tensions();
+    assert!(tensions[tensions.len() - 2] < 20.0 && tensions[tensions.len() - 1] >= 20.0);
+}
+
 fn farthest<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
     let pairs = a.iter().flatten().zip(b.iter().flatten());
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
