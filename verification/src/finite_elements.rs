@@ -20,6 +20,8 @@
 //!
 //! with a and b fitted gives the finite elements' curve back from the tension alone.
 
+mod in_space;
+
 use crate::check::{Failure, Setting};
 use crate::fit::slope;
 use crate::row::Row;
@@ -225,7 +227,10 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
         );
         return Ok(vec![Row::skipped("a twitch in an elastic bed", SOURCE, &missing)]);
     }
-    compared(setting, &csv::Reader::from_path(file)?.deserialize().collect::<Result<Vec<_>, _>>()?)
+    let lines: Vec<Line> = csv::Reader::from_path(file)?.deserialize().collect::<Result<_, _>>()?;
+    let mut rows = compared(setting, &lines)?;
+    rows.extend(in_space::rows(setting, &lines)?);
+    Ok(rows)
 }
 
 /// Our twitch beside the one of these lines.

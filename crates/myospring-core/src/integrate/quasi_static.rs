@@ -21,7 +21,9 @@
 //!
 //! Guaranteed: at each load step the stiffness is positive definite, so the equilibrium is stable
 //! and the one that a slow contraction reaches; if stability is lost (buckling, collapse), an error
-//! states the tension. The same input gives the same bits.
+//! states the tension. Where a factor of the stiffness is costly (thick cells), three load steps share
+//! one: the last of them is shown to be stable by it, those before it only in the directions in which
+//! they were corrected. The same input gives the same bits.
 //!
 //! Not supported (the error names an alternative): forces without an energy, active loads from
 //! outside, damping so strong that it delays the shape. Inverted triangles are not an error here,
@@ -58,7 +60,7 @@ const TORN: f64 = 100.0;
 /// Longest load step, kPa, for a body that tension hardly moves.
 const LONGEST_STEP: f64 = 1000.0;
 
-/// Part of the first load step that is tried first where the factor of its beginning is to serve to its end.
+/// Part of the first load step that is tried first where factors are costly: further away from rest they are often made in vain.
 const SERVED: f64 = 0.125;
 
 /// Load steps that are shown to be stable together, where that is costly.
@@ -252,7 +254,7 @@ impl<'a, const D: usize> Path<'a, D> {
                 let rest = &self.shapes.branches[side][0];
                 // Interrupted, it does not come to a step.
                 let _ = self.solver.stand(rest);
-                let part = if self.solver.keeps_factor() { SERVED } else { 1.0 };
+                let part = if self.solver.is_costly() { SERVED } else { 1.0 };
                 self.shapes.steps[side] = part * first_step;
             }
             let reached = if first { self.tolerance.smallest_step * first_step } else { last };

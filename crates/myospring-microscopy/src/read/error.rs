@@ -33,6 +33,15 @@ pub enum PictureError {
         /// What it is.
         format: &'static str,
     },
+    /// A mesh in space.
+    #[error(
+        "this is a {format} mesh, which is not taken as it is: a cell that keeps its volume bends too stiffly as \
+         tetrahedra; write which voxels are inside of it as a mask stack, for --stack (examples/mesh_to_stack.py does)"
+    )]
+    Mesh {
+        /// What it is.
+        format: &'static str,
+    },
     /// A PNG or TIFF that is damaged.
     #[error("the {format} picture cannot be read: {reason}; is the file complete?")]
     Unreadable {

@@ -73,14 +73,30 @@ const PICTURE_ENDINGS: [(&str, &str); 9] = [
     ("pgm", "PNM"),
 ];
 
-/// The error for a file with this ending, if it is an unsupported picture format.
+/// Endings of meshes in space, of tetrahedra or of a surface.
+const MESH_ENDINGS: [(&str, &str); 10] = [
+    ("vtk", "VTK"),
+    ("vtu", "VTK"),
+    ("vtp", "VTK"),
+    ("msh", "Gmsh"),
+    ("stl", "STL"),
+    ("obj", "OBJ"),
+    ("ply", "PLY"),
+    ("inp", "Abaqus"),
+    ("xdmf", "XDMF"),
+    ("mesh", "Medit"),
+];
+
+/// The error for a file with this ending, if it is an unsupported format of pictures or meshes.
 pub(super) fn unread(ending: &str) -> Option<PictureError> {
     let ending = ending.to_lowercase();
     let named = |kinds: &[(&str, &'static str)]| {
         kinds.iter().find(|(known, _)| *known == ending).map(|(_, format)| *format)
     };
     let container = named(&CONTAINER_ENDINGS).map(|format| PictureError::Container { format });
-    container.or_else(|| named(&PICTURE_ENDINGS).map(|format| PictureError::Format { format }))
+    let picture = || named(&PICTURE_ENDINGS).map(|format| PictureError::Format { format });
+    let mesh = || named(&MESH_ENDINGS).map(|format| PictureError::Mesh { format });
+    container.or_else(picture).or_else(mesh)
 }
 
 /// Recognises what the bytes are.

@@ -236,6 +236,11 @@ impl<'a, const D: usize> Solver<'a, D> {
         self.renew()
     }
 
+    /// Whether a factor costs much more than some uses of the last one.
+    pub(super) fn is_costly(&self) -> bool {
+        self.factor.is_costly()
+    }
+
     /// Whether a factor serves for equilibria nearby.
     pub(super) fn keeps_factor(&self) -> bool {
         self.nearby && self.factor.is_costly() && self.system.compliance().is_none()
