@@ -7,6 +7,8 @@
 //! w = P L^3 / (3 E I) + P L / ((5/6) G A)
 //! ```
 
+mod beam;
+
 use crate::check::{Failure, Setting, metric};
 use crate::row::Row;
 use myospring::integrate::Method;
@@ -50,6 +52,7 @@ pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
     }
     rows.extend(beats()?);
     rows.extend(bed()?);
+    rows.extend(beam::rows(setting.quick)?);
     Ok(rows)
 }
 
