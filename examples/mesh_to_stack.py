@@ -25,7 +25,8 @@ def stack(points: np.ndarray, tetrahedra: np.ndarray, side: float) -> np.ndarray
         middles = low + (places + 0.5) * side
         # Barycentric coordinates of three corners; that of the fourth is what is left of 1.
         parts = np.linalg.solve((corners[1:] - corners[0]).T, (middles - corners[0]).T)
-        x, y, z = places[(parts.min(axis=0) >= 0) & (parts.sum(axis=0) <= 1)].T
+        # A middle on a face may be rounded out of both tetrahedra.
+        x, y, z = places[(parts.min(axis=0) >= -1e-9) & (parts.sum(axis=0) <= 1 + 1e-9)].T
         inside[z, -1 - y, x] = 255
     return inside
 

@@ -301,7 +301,14 @@ impl Checks {
         self.step("results to read", run)?;
         let mut read = python.script(&root().join("verification/python/read_results.py"));
         read.arg(&beat).arg(root().join("docs/reference/results.md"));
-        self.step(name, read)
+        self.step(name, read)?;
+        let stack = folder.path().join("box.tif");
+        let mut made = python.script(&root().join("verification/python/box_to_stack.py"));
+        made.arg(&stack);
+        self.step("tetrahedra to a stack", made)?;
+        let mut run = Command::new(program("debug", "myospring"));
+        run.args(["run", "--dry-run", "--stack"]).arg(&stack);
+        self.step("that stack as a thick cell", run)
     }
 
     /// The Python with what a check needs; without it the check is skipped.

@@ -28,6 +28,7 @@ fn workplace() -> tempfile::TempDir {
     fs::write(folder.path().join("file"), "").unwrap();
     fs::write(folder.path().join("cell.czi"), "ZISRAWFILE").unwrap();
     fs::write(folder.path().join("cell.JPG"), "no JPEG even").unwrap();
+    fs::write(folder.path().join("cell.vtk"), "# vtk DataFile Version 3.0\n").unwrap();
     fs::create_dir(folder.path().join("dish")).unwrap();
     fs::write(folder.path().join("dish/a.lif"), "").unwrap();
     fs::write(folder.path().join("czi.toml"), "[shape]\npicture = \"cell.czi\"\n").unwrap();
@@ -205,6 +206,8 @@ const CASES: &[(&[&str], &[&str])] = &[
     (&["run", "nothing.toml"], &["cannot read `nothing.toml`"]),
     (&["run", "file"], &["has an ending that is not known", ".png"]),
     (&["run", "cell.czi"], &["`cell.czi`: this is a Zeiss CZI file", "export it as OME-TIFF"]),
+    (&["run", "cell.vtk"], &["`cell.vtk`: this is a VTK mesh", "mask stack", "mesh_to_stack.py"]),
+    (&["run", "--stack", "cell.vtk"], &["cell.vtk", "this is a VTK mesh", "mesh_to_stack.py"]),
     (&["segment", "cell.JPG"], &["`cell.JPG`: this is a JPEG picture", "save the original"]),
     (&["run", "missing.nd2"], &["cannot read `missing.nd2`"]),
     (&["segment", "dish"], &["`dish` is a folder", "myospring batch dish"]),

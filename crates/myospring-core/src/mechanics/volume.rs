@@ -14,26 +14,38 @@
 use super::force::{Configuration, Force};
 use super::stiffness::{Block, StiffnessMatrix};
 use super::vectors::Vectors;
-use crate::mesh::{Mesh, simplex};
+use crate::mesh::Mesh;
+use crate::mesh::simplex::{self, Real};
+use pulp::{Simd, WithSimd};
 use std::array::from_fn;
-use std::ops::Range;
+use std::ops::{Add, Mul, Range, Sub};
 
 /// Volume preservation of groups of simplices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VolumePreservation<const D: usize = 3, const N: usize = 4> {
     nodes: Vec<[u32; N]>,
     weights: Vec<f64>,
-    groups: Vec<Group<N>>,
+    forms: Vec<Form<N>>,
+    groups: Vec<Group>,
     /// kappa, kPa; nN/um for a flat mesh.
     stiffness: f64,
 }
 
+/// How the simplices of a group lie: that of most groups is the same.
 #[derive(Debug, Clone, PartialEq)]
-struct Group<const N: usize> {
+struct Form<const N: usize> {
+    weights: Vec<f64>,
+    /// The places of the corners of each simplex among the group's nodes.
+    corners: Vec<[u8; N]>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Group {
     simplices: Range<usize>,
-    /// Its nodes, each once, and the places among them of the corners of each simplex.
+    /// Which form it has.
+    form: usize,
+    /// Its nodes, each once.
     nodes: Vec<u32>,
-    corners: Vec<[usize; N]>,
     /// Resting measure, um^3 or um^2.
     rest: f64,
 }
@@ -43,48 +55,170 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
     /// groups of `group` consecutive simplices.
     ///
     /// # Panics
-    /// If the simplices do not form complete groups.
+    /// If the simplices do not form complete groups, or a group has more than 256 nodes.
     pub fn new(mesh: &Mesh<D, N>, group: usize, stiffness: f64) -> Self {
         let count = mesh.simplices.len();
         assert!(group > 0 && count.is_multiple_of(group), "{count} simplices in groups of {group}");
         let nodes: Vec<[u32; N]> = mesh.simplices.iter().map(|simplex| simplex.nodes).collect();
         let weights = mesh.simplices.iter().map(|simplex| simplex.weight).collect();
-        let mut law = Self { groups: Vec::new(), nodes, weights, stiffness };
-        let firsts = (0..count).step_by(group);
-        law.groups = firsts.map(|first| law.group(first..first + group, &mesh.points)).collect();
+        let (forms, groups) = (Vec::new(), Vec::new());
+        let mut law = Self { nodes, weights, forms, groups, stiffness };
+        for first in (0..count).step_by(group) {
+            let group = law.group(first..first + group, &mesh.points);
+            law.groups.push(group);
+        }
         law
     }
 
-    fn group(&self, simplices: Range<usize>, points: &Vectors<D>) -> Group<N> {
+    fn group(&mut self, simplices: Range<usize>, points: &Vectors<D>) -> Group {
         let mut nodes: Vec<u32> = Vec::new();
         let mut place = |node: u32| {
-            nodes.iter().position(|other| *other == node).unwrap_or_else(|| {
+            let place = nodes.iter().position(|other| *other == node).unwrap_or_else(|| {
                 nodes.push(node);
                 nodes.len() - 1
-            })
+            });
+            u8::try_from(place).unwrap_or_else(|_| panic!("a group of more than 256 nodes"))
         };
         let corners = simplices.clone().map(|k| self.nodes[k].map(&mut place)).collect();
-        Group { rest: self.content(&simplices, points), simplices, nodes, corners }
+        let form = Form { weights: self.weights[simplices.clone()].to_vec(), corners };
+        let known = self.forms.iter().rposition(|other| *other == form);
+        let form = known.unwrap_or_else(|| {
+            self.forms.push(form);
+            self.forms.len() - 1
+        });
+        Group { rest: self.content(&simplices, points), simplices, form, nodes }
     }
 
     fn content(&self, simplices: &Range<usize>, positions: &Vectors<D>) -> f64 {
         let one = |k: usize| self.weights[k] * simplex::measure_at(positions, self.nodes[k]);
         simplices.clone().map(one).sum()
     }
+}
 
-    fn corners(&self, simplex: usize, positions: &Vectors<D>) -> [[f64; D]; N] {
-        self.nodes[simplex].map(|node| from_fn(|axis| positions[axis][node as usize]))
-    }
-
-    /// Derivative of a group's measure with respect to its nodes, in their order.
-    fn gradients(&self, group: &Group<N>, positions: &Vectors<D>, gradients: &mut Vec<[f64; D]>) {
+impl<const N: usize> Form<N> {
+    /// The measure of a group, and in `gradients` its derivative with respect to its nodes, in their order.
+    ///
+    /// A measure is homogeneous of degree D, so it follows from its derivatives: `V = sum x_a . dV/dx_a / D` (Euler).
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
+    fn gradients<T: Real, const D: usize>(
+        &self,
+        points: &[[T; D]],
+        gradients: &mut Vec<[T; D]>,
+    ) -> T {
+        let zero = points[0][0] - points[0][0];
         gradients.clear();
-        gradients.resize(group.nodes.len(), [0.0; D]);
-        for (k, corners) in group.simplices.clone().zip(&group.corners) {
-            let parts = simplex::measure_gradients(&self.corners(k, positions));
+        gradients.resize(points.len(), [zero; D]);
+        for (&weight, corners) in self.weights.iter().zip(&self.corners) {
+            let parts = simplex::gradients_of(&corners.map(|at| points[usize::from(at)]));
             for (&corner, part) in corners.iter().zip(parts) {
+                let sum = &mut gradients[usize::from(corner)];
                 for axis in 0..D {
-                    gradients[corner][axis] += self.weights[k] * part[axis];
+                    sum[axis] = sum[axis] + part[axis] * weight;
+                }
+            }
+        }
+        let mut sum = zero;
+        for (point, gradient) in points.iter().zip(&*gradients) {
+            for axis in 0..D {
+                sum = sum + (point[axis] - points[0][axis]) * gradient[axis];
+            }
+        }
+        sum * (1.0 / D as f64)
+    }
+}
+
+/// Groups that are pulled at once, with vector units.
+const LANES: usize = 8;
+
+/// One number of each of these groups.
+#[derive(Debug, Clone, Copy)]
+struct Lanes([f64; LANES]);
+
+impl Lanes {
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
+    fn with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        let mut lanes = self.0;
+        for (lane, other) in lanes.iter_mut().zip(other.0) {
+            *lane = of(*lane, other);
+        }
+        Self(lanes)
+    }
+}
+
+impl Add for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
+    fn add(self, other: Self) -> Self {
+        self.with(other, |a, b| a + b)
+    }
+}
+
+impl Sub for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
+    fn sub(self, other: Self) -> Self {
+        self.with(other, |a, b| a - b)
+    }
+}
+
+impl Mul for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
+    fn mul(self, other: Self) -> Self {
+        self.with(other, |a, b| a * b)
+    }
+}
+
+impl Mul<f64> for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
+    fn mul(self, by: f64) -> Self {
+        self.with(Self([by; LANES]), |a, b| a * b)
+    }
+}
+
+/// The forces of all groups.
+struct Pull<'a, const D: usize, const N: usize> {
+    law: &'a VolumePreservation<D, N>,
+    positions: &'a Vectors<D>,
+    forces: &'a mut Vectors<D>,
+}
+
+impl<const D: usize, const N: usize> WithSimd for Pull<'_, D, N> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { law, positions, forces } = self;
+        let (mut points, mut gradients) = (Vec::new(), Vec::new());
+        let alike = law.groups.chunk_by(|a, b| a.form == b.form);
+        for groups in alike.flat_map(|groups| groups.chunks(LANES)) {
+            let first = &groups[0];
+            points.clear();
+            points.resize(first.nodes.len(), [Lanes([0.0; LANES]); D]);
+            for lane in 0..LANES {
+                // Lanes that are left over repeat the first group.
+                let group = groups.get(lane).unwrap_or(first);
+                for (point, &node) in points.iter_mut().zip(&group.nodes) {
+                    for axis in 0..D {
+                        point[axis].0[lane] = positions[axis][node as usize];
+                    }
+                }
+            }
+            let Lanes(measures) = law.forms[first.form].gradients(&points, &mut gradients);
+            for (lane, group) in groups.iter().enumerate() {
+                let scale = law.stiffness * (measures[lane] - group.rest) / group.rest;
+                for (&node, gradient) in group.nodes.iter().zip(&gradients) {
+                    for axis in 0..D {
+                        forces[axis][node as usize] -= scale * gradient[axis].0[lane];
+                    }
                 }
             }
         }
@@ -97,21 +231,11 @@ impl<const D: usize, const N: usize> Force<D> for VolumePreservation<D, N> {
     }
 
     fn add_forces(&self, at: &Configuration<'_, D>, forces: &mut Vectors<D>) {
-        let mut gradients = Vec::new();
-        for group in &self.groups {
-            let deviation = self.content(&group.simplices, at.positions) - group.rest;
-            let scale = self.stiffness * deviation / group.rest;
-            self.gradients(group, at.positions, &mut gradients);
-            for (&node, gradient) in group.nodes.iter().zip(&gradients) {
-                for axis in 0..D {
-                    forces[axis][node as usize] -= scale * gradient[axis];
-                }
-            }
-        }
+        pulp::Arch::new().dispatch(Pull { law: self, positions: at.positions, forces });
     }
 
     fn energy(&self, at: &Configuration<'_, D>) -> Option<f64> {
-        let one = |group: &Group<N>| {
+        let one = |group: &Group| {
             let deviation = self.content(&group.simplices, at.positions) - group.rest;
             0.5 * self.stiffness * deviation * deviation / group.rest
         };
@@ -119,13 +243,16 @@ impl<const D: usize, const N: usize> Force<D> for VolumePreservation<D, N> {
     }
 
     fn add_stiffness(&self, at: &Configuration<'_, D>, stiffness: &mut StiffnessMatrix<D>) -> bool {
-        let mut gradients = Vec::new();
-        let mut blocks: Vec<Block<D>> = Vec::new();
+        let mut points: Vec<[f64; D]> = Vec::new();
+        let (mut gradients, mut blocks) = (Vec::new(), Vec::<Block<D>>::new());
         for group in &self.groups {
-            let deviation = self.content(&group.simplices, at.positions) - group.rest;
-            let scale = self.stiffness / group.rest;
+            let form = &self.forms[group.form];
+            let place = |&node: &u32| from_fn(|axis| at.positions[axis][node as usize]);
+            points.clear();
+            points.extend(group.nodes.iter().map(place));
             // (kappa/V0) (dV (x) dV + (V - V0) d2V)
-            self.gradients(group, at.positions, &mut gradients);
+            let deviation = form.gradients(&points, &mut gradients) - group.rest;
+            let scale = self.stiffness / group.rest;
             let count = group.nodes.len();
             let one = |at: usize| -> Block<D> {
                 let (from, to) = (&gradients[at / count], &gradients[at % count]);
@@ -133,9 +260,10 @@ impl<const D: usize, const N: usize> Force<D> for VolumePreservation<D, N> {
             };
             blocks.clear();
             blocks.extend((0..count * count).map(one));
-            for (k, corners) in group.simplices.clone().zip(&group.corners) {
-                let scale = scale * deviation * self.weights[k];
-                let of = simplex::measure_curvature(&self.corners(k, at.positions));
+            for (weight, corners) in form.weights.iter().zip(&form.corners) {
+                let corners = corners.map(usize::from);
+                let scale = scale * deviation * weight;
+                let of = simplex::measure_curvature(&corners.map(|corner| points[corner]));
                 for a in 0..N {
                     for b in 0..N {
                         let block = &mut blocks[corners[a] * count + corners[b]];
@@ -159,5 +287,41 @@ impl<const D: usize, const N: usize> Force<D> for VolumePreservation<D, N> {
 
     fn is_internal(&self) -> bool {
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::{Body, zeros};
+    use crate::mesh::cubes;
+
+    #[test]
+    fn groups_that_are_pulled_at_once_have_the_forces_of_each_alone_to_the_last_bit() {
+        // Fewer than the lanes, as many, one left over, and several rows of them.
+        for count in [3, 8, 9, 40] {
+            let mesh = cubes::block([count, 1, 1], 2.0).unwrap();
+            let law = VolumePreservation::new(&mesh, cubes::TETRAHEDRA_OF_A_CUBE, 700.0);
+            let mut body = Body::at_rest(&mesh, 1.0, 1.0);
+            for (k, x) in body.positions.iter_mut().flatten().enumerate() {
+                *x += 0.3 * (1.7 * k as f64).sin();
+            }
+            let mut at_once = zeros::<3>(mesh.len());
+            law.add_forces(&body.configuration(0.0), &mut at_once);
+            let (mut alone, mut gradients) = (zeros::<3>(mesh.len()), Vec::new());
+            for group in &law.groups {
+                let place = |&node: &u32| from_fn(|axis| body.positions[axis][node as usize]);
+                let points: Vec<[f64; 3]> = group.nodes.iter().map(place).collect();
+                let measure = law.forms[group.form].gradients(&points, &mut gradients);
+                let scale = law.stiffness * (measure - group.rest) / group.rest;
+                for (&node, gradient) in group.nodes.iter().zip(&gradients) {
+                    for axis in 0..3 {
+                        alone[axis][node as usize] -= scale * gradient[axis];
+                    }
+                }
+            }
+            assert_eq!(at_once, alone, "{count} cubes");
+            assert!(at_once.iter().flatten().any(|force| force.abs() > 1.0));
+        }
     }
 }

@@ -8,6 +8,8 @@
 //!
 //! The linear shape function of corner i has the gradient `grad N_i = (d measure/d x_i) / measure`.
 
+use std::ops::{Add, Mul, Sub};
+
 /// Signed measure, um^2 or um^3: positive if the corners run as [`super::Simplex::nodes`] says.
 ///
 /// # Example
@@ -41,27 +43,50 @@ fn measure_of<const D: usize, const N: usize>(at: impl Fn(usize, usize) -> f64) 
     (edge(1, 0) * minor(1, 2) + edge(1, 1) * minor(2, 0) + edge(1, 2) * minor(0, 1)) / 6.0
 }
 
+/// What coordinates may be: numbers, or numbers of several simplices at once.
+pub(crate) trait Real:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
+{
+}
+
+impl<T> Real for T where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Mul<f64, Output = T>
+{
+}
+
 /// Derivative of the measure with respect to each corner, um or um^2: `gradients[corner][axis]`; their sum
 /// is zero.
+#[inline]
 pub fn measure_gradients<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> [[f64; D]; N] {
+    gradients_of(corners)
+}
+
+/// As [`measure_gradients`].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "belongs to vectorised work")]
+pub(crate) fn gradients_of<T: Real, const D: usize, const N: usize>(
+    corners: &[[T; D]; N],
+) -> [[T; D]; N] {
     const { assert!(N == D + 1 && (D == 2 || D == 3), "triangles and tetrahedra") };
-    let mut gradients = [[0.0; D]; N];
+    let mut gradients = *corners;
     if D == 2 {
         // dA/dx_a = (y_b - y_c, x_c - x_b)/2
         for k in 0..3 {
             let (next, last) = (&corners[(k + 1) % 3], &corners[(k + 2) % 3]);
-            gradients[k][0] = 0.5 * (next[1] - last[1]);
-            gradients[k][1] = 0.5 * (last[0] - next[0]);
+            gradients[k][0] = (next[1] - last[1]) * 0.5;
+            gradients[k][1] = (last[0] - next[0]) * 0.5;
         }
         return gradients;
     }
     // dV/du = (w x q)/6 and so on round; the first corner takes minus the rest.
+    let zero = corners[0][0] - corners[0][0];
+    gradients[0] = [zero; D];
     for k in 1..4 {
         let (next, last) = (&corners[k % 3 + 1], &corners[(k + 1) % 3 + 1]);
         let normal = cross(&corners[0], next, last);
         for axis in 0..3 {
-            gradients[k][axis] = normal[axis] / 6.0;
-            gradients[0][axis] -= normal[axis] / 6.0;
+            gradients[k][axis] = normal[axis] * (1.0 / 6.0);
+            gradients[0][axis] = gradients[0][axis] - gradients[k][axis];
         }
     }
     gradients
@@ -69,6 +94,7 @@ pub fn measure_gradients<const D: usize, const N: usize>(corners: &[[f64; D]; N]
 
 /// Second derivatives of the measure, dimensionless or um: `curvature[a][b][i][j]` is that with respect to coordinate `i` of
 /// corner `a` and `j` of corner `b`. The measure is linear in each corner, so those of one corner are 0.
+#[inline]
 pub fn measure_curvature<const D: usize, const N: usize>(
     corners: &[[f64; D]; N],
 ) -> [[[[f64; D]; D]; N]; N] {
@@ -101,7 +127,9 @@ pub fn measure_curvature<const D: usize, const N: usize>(
 }
 
 /// `(a - origin) x (b - origin)`, of three axes.
-fn cross<const D: usize>(origin: &[f64; D], a: &[f64; D], b: &[f64; D]) -> [f64; 3] {
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "belongs to vectorised work")]
+fn cross<T: Real, const D: usize>(origin: &[T; D], a: &[T; D], b: &[T; D]) -> [T; 3] {
     let [a, b] = [a, b].map(|end| [0, 1, 2].map(|axis| end[axis] - origin[axis]));
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
