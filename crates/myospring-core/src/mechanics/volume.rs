@@ -12,11 +12,11 @@
 //! of a cube per group ([`crate::mesh::cubes`]), each cube keeps its volume as a whole and can bend.
 
 use super::force::{Configuration, Force};
+use super::runs::vectorised;
 use super::stiffness::{Block, StiffnessMatrix};
 use super::vectors::Vectors;
 use crate::mesh::Mesh;
 use crate::mesh::simplex::{self, Real};
-use pulp::{Simd, WithSimd};
 use std::array::from_fn;
 use std::ops::{Add, Mul, Range, Sub};
 
@@ -92,6 +92,38 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
     fn content(&self, simplices: &Range<usize>, positions: &Vectors<D>) -> f64 {
         let one = |k: usize| self.weights[k] * simplex::measure_at(positions, self.nodes[k]);
         simplices.clone().map(one).sum()
+    }
+}
+
+impl<const D: usize, const N: usize> VolumePreservation<D, N> {
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "it must be compiled anew for each vector unit")]
+    fn add(&self, positions: &Vectors<D>, forces: &mut Vectors<D>) {
+        let (mut points, mut gradients) = (Vec::new(), Vec::new());
+        let alike = self.groups.chunk_by(|a, b| a.form == b.form);
+        for groups in alike.flat_map(|groups| groups.chunks(LANES)) {
+            let first = &groups[0];
+            points.clear();
+            points.resize(first.nodes.len(), [Lanes([0.0; LANES]); D]);
+            for lane in 0..LANES {
+                // Lanes that are left over repeat the first group.
+                let group = groups.get(lane).unwrap_or(first);
+                for (point, &node) in points.iter_mut().zip(&group.nodes) {
+                    for axis in 0..D {
+                        point[axis].0[lane] = positions[axis][node as usize];
+                    }
+                }
+            }
+            let Lanes(measures) = self.forms[first.form].gradients(&points, &mut gradients);
+            for (lane, group) in groups.iter().enumerate() {
+                let scale = self.stiffness * (measures[lane] - group.rest) / group.rest;
+                for (&node, gradient) in group.nodes.iter().zip(&gradients) {
+                    for axis in 0..D {
+                        forces[axis][node as usize] -= scale * gradient[axis].0[lane];
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -183,55 +215,16 @@ impl Mul<f64> for Lanes {
     }
 }
 
-/// The forces of all groups.
-struct Pull<'a, const D: usize, const N: usize> {
-    law: &'a VolumePreservation<D, N>,
-    positions: &'a Vectors<D>,
-    forces: &'a mut Vectors<D>,
-}
-
-impl<const D: usize, const N: usize> WithSimd for Pull<'_, D, N> {
-    type Output = ();
-
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { law, positions, forces } = self;
-        let (mut points, mut gradients) = (Vec::new(), Vec::new());
-        let alike = law.groups.chunk_by(|a, b| a.form == b.form);
-        for groups in alike.flat_map(|groups| groups.chunks(LANES)) {
-            let first = &groups[0];
-            points.clear();
-            points.resize(first.nodes.len(), [Lanes([0.0; LANES]); D]);
-            for lane in 0..LANES {
-                // Lanes that are left over repeat the first group.
-                let group = groups.get(lane).unwrap_or(first);
-                for (point, &node) in points.iter_mut().zip(&group.nodes) {
-                    for axis in 0..D {
-                        point[axis].0[lane] = positions[axis][node as usize];
-                    }
-                }
-            }
-            let Lanes(measures) = law.forms[first.form].gradients(&points, &mut gradients);
-            for (lane, group) in groups.iter().enumerate() {
-                let scale = law.stiffness * (measures[lane] - group.rest) / group.rest;
-                for (&node, gradient) in group.nodes.iter().zip(&gradients) {
-                    for axis in 0..D {
-                        forces[axis][node as usize] -= scale * gradient[axis].0[lane];
-                    }
-                }
-            }
-        }
-    }
-}
-
 impl<const D: usize, const N: usize> Force<D> for VolumePreservation<D, N> {
     fn name(&self) -> &'static str {
         "volume preservation"
     }
 
     fn add_forces(&self, at: &Configuration<'_, D>, forces: &mut Vectors<D>) {
-        pulp::Arch::new().dispatch(Pull { law: self, positions: at.positions, forces });
+        vectorised(
+            #[inline(always)]
+            || self.add(at.positions, forces),
+        );
     }
 
     fn energy(&self, at: &Configuration<'_, D>) -> Option<f64> {
