@@ -1,11 +1,11 @@
 //! The beam of a benchmark for heart mechanics, bent by a pressure that stays normal to its lower face.
 //!
 //! S. Land et al., Proc. R. Soc. A 471:20150641 (2015), problem 1: 10 x 1 x 1 mm, clamped at x = 0, 0.004 kPa from below; the
-//! material exponential and stiffer along x (Guccione: C = 2 kPa, b_f = 8, b_t = 2, b_fs = 4), incompressible. Eleven programs agree on
+//! material exponential and stiffer along x (Guccione: C = 2 kPa, bf = 8, bt = 2, bfs = 4), incompressible. Eleven programs agree on
 //! where the point (10, 0.5, 1) mm goes. For small strains an incompressible bar of that material has, along x,
 //!
 //! ```text
-//! W = (C/2) (b_f e^2 + 2 b_t (e/2)^2) = 9 kPa e^2,     so E = 18 kPa
+//! W = (C/2) (bf e^2 + 2 bt (e/2)^2) = 9 kPa e^2,     so E = 18 kPa
 //! ```
 //!
 //! and with this modulus, nothing fitted, ours is told beside theirs. Lengths are a hundredth; what bends a beam has no scale.

@@ -104,7 +104,7 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
         for groups in alike.flat_map(|groups| groups.chunks(LANES)) {
             let first = &groups[0];
             points.clear();
-            points.resize(first.nodes.len(), [Lanes([0.0; LANES]); D]);
+            points.resize(first.nodes.len(), [Lanes::default(); D]);
             for lane in 0..LANES {
                 // Lanes that are left over repeat the first group.
                 let group = groups.get(lane).unwrap_or(first);
@@ -138,11 +138,11 @@ impl<const N: usize> Form<N> {
         points: &[[T; D]],
         gradients: &mut Vec<[T; D]>,
     ) -> T {
-        let zero = points[0][0] - points[0][0];
         gradients.clear();
-        gradients.resize(points.len(), [zero; D]);
+        gradients.resize(points.len(), [T::default(); D]);
         for (&weight, corners) in self.weights.iter().zip(&self.corners) {
-            let parts = simplex::gradients_of(&corners.map(|at| points[usize::from(at)]));
+            let at: [&[T; D]; N] = from_fn(|k| &points[usize::from(corners[k])]);
+            let parts = simplex::gradients_of(at);
             for (&corner, part) in corners.iter().zip(parts) {
                 let sum = &mut gradients[usize::from(corner)];
                 for axis in 0..D {
@@ -150,7 +150,7 @@ impl<const N: usize> Form<N> {
                 }
             }
         }
-        let mut sum = zero;
+        let mut sum = T::default();
         for (point, gradient) in points.iter().zip(&*gradients) {
             for axis in 0..D {
                 sum = sum + (point[axis] - points[0][axis]) * gradient[axis];
@@ -164,7 +164,7 @@ impl<const N: usize> Form<N> {
 const LANES: usize = 8;
 
 /// One number of each of these groups.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Lanes([f64; LANES]);
 
 impl Lanes {

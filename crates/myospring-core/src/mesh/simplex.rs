@@ -45,12 +45,17 @@ fn measure_of<const D: usize, const N: usize>(at: impl Fn(usize, usize) -> f64) 
 
 /// What coordinates may be: numbers, or numbers of several simplices at once.
 pub(crate) trait Real:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
+    Copy
+    + Default
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Mul<f64, Output = Self>
 {
 }
 
 impl<T> Real for T where
-    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Mul<f64, Output = T>
+    T: Copy + Default + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Mul<f64, Output = T>
 {
 }
 
@@ -58,32 +63,30 @@ impl<T> Real for T where
 /// is zero.
 #[inline]
 pub fn measure_gradients<const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> [[f64; D]; N] {
-    gradients_of(corners)
+    gradients_of(corners.each_ref())
 }
 
 /// As [`measure_gradients`].
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "belongs to vectorised work")]
 pub(crate) fn gradients_of<T: Real, const D: usize, const N: usize>(
-    corners: &[[T; D]; N],
+    corners: [&[T; D]; N],
 ) -> [[T; D]; N] {
     const { assert!(N == D + 1 && (D == 2 || D == 3), "triangles and tetrahedra") };
-    let mut gradients = *corners;
+    let mut gradients = [[T::default(); D]; N];
     if D == 2 {
         // dA/dx_a = (y_b - y_c, x_c - x_b)/2
         for k in 0..3 {
-            let (next, last) = (&corners[(k + 1) % 3], &corners[(k + 2) % 3]);
+            let (next, last) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
             gradients[k][0] = (next[1] - last[1]) * 0.5;
             gradients[k][1] = (last[0] - next[0]) * 0.5;
         }
         return gradients;
     }
     // dV/du = (w x q)/6 and so on round; the first corner takes minus the rest.
-    let zero = corners[0][0] - corners[0][0];
-    gradients[0] = [zero; D];
     for k in 1..4 {
-        let (next, last) = (&corners[k % 3 + 1], &corners[(k + 1) % 3 + 1]);
-        let normal = cross(&corners[0], next, last);
+        let (next, last) = (corners[k % 3 + 1], corners[(k + 1) % 3 + 1]);
+        let normal = cross(corners[0], next, last);
         for axis in 0..3 {
             gradients[k][axis] = normal[axis] * (1.0 / 6.0);
             gradients[0][axis] = gradients[0][axis] - gradients[k][axis];
