@@ -23,6 +23,8 @@ def stack(points: np.ndarray, tetrahedra: np.ndarray, side: float) -> np.ndarray
         last = np.floor((corners.max(axis=0) - low) / side).astype(int) + 1
         places = np.stack(np.meshgrid(*map(np.arange, first, last), indexing="ij"), axis=-1).reshape(-1, 3)
         middles = low + (places + 0.5) * side
+        if np.linalg.matrix_rank(corners[1:] - corners[0]) < 3:
+            continue
         # Barycentric coordinates of three corners; that of the fourth is what is left of 1.
         parts = np.linalg.solve((corners[1:] - corners[0]).T, (middles - corners[0]).T)
         # A middle on a face may be rounded out of both tetrahedra.

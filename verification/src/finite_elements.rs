@@ -20,8 +20,6 @@
 //!
 //! with a and b fitted gives the finite elements' curve back from the tension alone.
 
-mod in_space;
-
 use crate::check::{Failure, Setting};
 use crate::fit::slope;
 use crate::row::Row;
@@ -39,23 +37,23 @@ use myospring::recording::{Recording, Sample};
 use serde::Deserialize;
 
 /// Length and width, um, and volume, um^3, of the finite elements' cell.
-const LENGTH: f64 = 100.0;
+pub(crate) const LENGTH: f64 = 100.0;
 const WIDTH: f64 = 18.0;
-const VOLUME: f64 = 22_429.0;
+pub(crate) const VOLUME: f64 = 22_429.0;
 
 const FILE: &str = "meshes/fe_twitch_reference.csv";
-const SOURCE: &str = "finite elements (emimechanicalmodel, Telle et al. 2023)";
+pub(crate) const SOURCE: &str = "finite elements (emimechanicalmodel, Telle et al. 2023)";
 
 /// One line of their file.
 #[derive(Debug, Clone, Copy, Deserialize)]
-struct Line {
-    time_ms: f64,
+pub(crate) struct Line {
+    pub(crate) time_ms: f64,
     #[serde(rename = "active_tension_kPa")]
-    tension: f64,
+    pub(crate) tension: f64,
     #[serde(rename = "fiber_strain_subdomain1_intracellular")]
-    strain: f64,
+    pub(crate) strain: f64,
     #[serde(rename = "fiber_stress_1")]
-    stress: f64,
+    pub(crate) stress: f64,
 }
 
 /// Our strip: a modulus and a bed away from being a system.
@@ -177,7 +175,7 @@ fn exponential(lines: &[Line]) -> Vec<f64> {
 }
 
 /// Shape of a twitch: time of its peak, of half its peak before and after, ms.
-fn timing(times: &[f64], shortening: &[f64]) -> Result<[f64; 3], Failure> {
+pub(crate) fn timing(times: &[f64], shortening: &[f64]) -> Result<[f64; 3], Failure> {
     let top = trace::peak(times, shortening).ok_or("the twitch has no peak")?;
     let half = 0.5 * top.value;
     let rise = trace::rises_through(times, shortening, half, 0.0);
@@ -187,7 +185,7 @@ fn timing(times: &[f64], shortening: &[f64]) -> Result<[f64; 3], Failure> {
 }
 
 /// The largest distance between two twitches, each over its own peak.
-fn apart(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn apart(a: &[f64], b: &[f64]) -> f64 {
     let peak = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     let (pa, pb) = (peak(a), peak(b));
     a.iter().zip(b).map(|(a, b)| (a / pa - b / pb).abs()).fold(0.0, f64::max)
@@ -214,23 +212,31 @@ fn hysteresis(tensions: &[f64], shortening: &[f64]) -> f64 {
     worst / largest(shortening)
 }
 
+/// Their twitch, if the file is there.
+///
+/// # Errors
+/// A file that cannot be read.
+pub(crate) fn lines(setting: &Setting<'_>) -> Result<Option<Vec<Line>>, Failure> {
+    let file = setting.data.join(FILE);
+    if !file.exists() {
+        return Ok(None);
+    }
+    Ok(Some(csv::Reader::from_path(file)?.deserialize().collect::<Result<_, _>>()?))
+}
+
 /// Our twitch beside theirs.
 ///
 /// # Errors
 /// A file that cannot be read, a strip without equilibrium.
 pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
-    let file = setting.data.join(FILE);
-    if !file.exists() {
-        let missing = format!(
-            "no {FILE}: set MYOSPRING_SHARED_DATA to a folder that has it (a twitch of emimechanicalmodel, \
-             github.com/aashildte/emimechanicalmodel)"
-        );
-        return Ok(vec![Row::skipped("a twitch in an elastic bed", SOURCE, &missing)]);
+    if let Some(lines) = lines(setting)? {
+        return compared(setting, &lines);
     }
-    let lines: Vec<Line> = csv::Reader::from_path(file)?.deserialize().collect::<Result<_, _>>()?;
-    let mut rows = compared(setting, &lines)?;
-    rows.extend(in_space::rows(setting, &lines)?);
-    Ok(rows)
+    let missing = format!(
+        "no {FILE}: set MYOSPRING_SHARED_DATA to a folder that has it (a twitch of emimechanicalmodel, \
+         github.com/aashildte/emimechanicalmodel)"
+    );
+    Ok(vec![Row::skipped("a twitch in an elastic bed", SOURCE, &missing)])
 }
 
 /// Our twitch beside the one of these lines.

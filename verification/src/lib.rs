@@ -30,6 +30,7 @@ pub mod thick;
 pub mod time_order;
 pub mod tissue;
 pub mod tor_ord;
+pub mod twitch_in_space;
 pub mod viscosity;
 pub mod wave;
 
@@ -56,7 +57,7 @@ pub fn checks() -> Vec<Check> {
         Check { name: "tissue", run: tissue::rows },
         Check { name: "viscosity", run: viscosity::rows },
         Check { name: "parts", run: parts::rows },
-        Check { name: "finite-elements", run: finite_elements::rows },
+        Check { name: "finite-elements", run: twitch_in_space::rows },
         Check { name: "sarcomeres", run: sarcomeres::rows },
         Check { name: "motion", run: motion::rows },
     ]

@@ -46,9 +46,9 @@ pub use tolerance::Tolerance;
 use crate::interruption::Interruption;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
-use crate::mechanics::{Body, Configuration, System, add_scaled, zeros};
+use crate::mechanics::{Body, Configuration, System, add_scaled, largest, zeros};
 use crate::mesh::Place;
-use equilibrium::{Failure, Kept, Rest, Solver, largest};
+use equilibrium::{Failure, Kept, Rest, Solver};
 use shapes::{Knot, between};
 use std::ops::Deref;
 
@@ -60,7 +60,7 @@ const TORN: f64 = 100.0;
 /// Longest load step, kPa, for a body that tension hardly moves.
 const LONGEST_STEP: f64 = 1000.0;
 
-/// Part of the first load step that is tried first where factors are costly: further away from rest they are often made in vain.
+/// Part of the first load step that is tried first where the factor of its beginning is to serve to its end.
 const SERVED: f64 = 0.125;
 
 /// Load steps that are shown to be stable together, where that is costly.
@@ -252,9 +252,10 @@ impl<'a, const D: usize> Path<'a, D> {
             let first = self.branches[side].len() == 1;
             if self.steps[side] == 0.0 {
                 let rest = &self.shapes.branches[side][0];
-                // Interrupted, it does not come to a step.
-                let _ = self.solver.stand(rest);
-                let part = if self.solver.is_costly() { SERVED } else { 1.0 };
+                if self.solver.stand(rest) == Err(Failure::Interrupted) {
+                    return Err(PathError::Interrupted);
+                }
+                let part = if self.solver.keeps_factor() { SERVED } else { 1.0 };
                 self.shapes.steps[side] = part * first_step;
             }
             let reached = if first { self.tolerance.smallest_step * first_step } else { last };
@@ -268,10 +269,10 @@ impl<'a, const D: usize> Path<'a, D> {
                     self.shapes.steps[side] = step * (0.8 * ratio.powf(-0.25)).clamp(0.2, 3.0);
                     (shortest && !kept).then_some(Failure::NoRest)
                 }
+                Err(Failure::Interrupted) => Some(Failure::Interrupted),
                 Err(failure) => {
                     self.shapes.steps[side] = 0.5 * step;
-                    (shortest || matches!(failure, Failure::TooLarge | Failure::Interrupted))
-                        .then_some(failure)
+                    (shortest || failure == Failure::TooLarge).then_some(failure)
                 }
             };
             let open = self.branches[side].len() - shown.knots;
@@ -280,6 +281,8 @@ impl<'a, const D: usize> Path<'a, D> {
             if open > 0 && (open >= together || ends) && failure != Some(Failure::Interrupted) {
                 let last = &self.shapes.branches[side][shown.knots + open - 1];
                 match self.solver.stand(last) {
+                    // What comes beyond the tension does not matter.
+                    Ok(true) if last.tension.abs() >= tension => return Ok(()),
                     Ok(true) => shown = self.end(side),
                     Ok(false) => {
                         self.go_back(side, shown);

@@ -13,6 +13,14 @@ pub(crate) fn product<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
 }
 
+/// Largest absolute value; NaN if one is NaN.
+pub(crate) fn largest<const D: usize>(vectors: &Vectors<D>) -> f64 {
+    vectors
+        .iter()
+        .flatten()
+        .fold(0.0, |size: f64, value| if value.is_nan() { f64::NAN } else { size.max(value.abs()) })
+}
+
 /// Adds a multiple of the vectors of all nodes to others.
 pub(crate) fn add_scaled<const D: usize>(sum: &mut Vectors<D>, factor: f64, other: &Vectors<D>) {
     for (sum, other) in sum.iter_mut().flatten().zip(other.iter().flatten()) {

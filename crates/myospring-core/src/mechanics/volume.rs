@@ -81,12 +81,16 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
         };
         let corners = simplices.clone().map(|k| self.nodes[k].map(&mut place)).collect();
         let form = Form { weights: self.weights[simplices.clone()].to_vec(), corners };
+        let place = |&node: &u32| from_fn(|axis| points[axis][node as usize]);
+        let places: Vec<[f64; D]> = nodes.iter().map(place).collect();
+        // As the forces have it, so that there are none at rest.
+        let rest = form.gradients(&places, &mut Vec::new());
         let known = self.forms.iter().rposition(|other| *other == form);
         let form = known.unwrap_or_else(|| {
             self.forms.push(form);
             self.forms.len() - 1
         });
-        Group { rest: self.content(&simplices, points), simplices, form, nodes }
+        Group { simplices, form, nodes, rest }
     }
 
     fn content(&self, simplices: &Range<usize>, positions: &Vectors<D>) -> f64 {

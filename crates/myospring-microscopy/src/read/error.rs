@@ -33,7 +33,16 @@ pub enum PictureError {
         /// What it is.
         format: &'static str,
     },
-    /// A mesh in space.
+    /// A surface in space.
+    #[error(
+        "this is a {format} surface, which is not taken as it is; write which voxels are inside of it as a mask stack, for \
+         --stack (in Python: trimesh.load(file).voxelized(0.25).fill())"
+    )]
+    Surface {
+        /// What it is.
+        format: &'static str,
+    },
+    /// A mesh of tetrahedra.
     #[error(
         "this is a {format} mesh, which is not taken as it is: a cell that keeps its volume bends too stiffly as \
          tetrahedra; write which voxels are inside of it as a mask stack, for --stack (examples/mesh_to_stack.py does)"

@@ -73,15 +73,13 @@ const PICTURE_ENDINGS: [(&str, &str); 9] = [
     ("pgm", "PNM"),
 ];
 
-/// Endings of meshes in space, of tetrahedra or of a surface.
-const MESH_ENDINGS: [(&str, &str); 10] = [
+/// Endings of meshes of tetrahedra, and of surfaces.
+const SURFACE_ENDINGS: [(&str, &str); 4] =
+    [("stl", "STL"), ("obj", "OBJ"), ("ply", "PLY"), ("vtp", "VTK")];
+const MESH_ENDINGS: [(&str, &str); 6] = [
     ("vtk", "VTK"),
     ("vtu", "VTK"),
-    ("vtp", "VTK"),
     ("msh", "Gmsh"),
-    ("stl", "STL"),
-    ("obj", "OBJ"),
-    ("ply", "PLY"),
     ("inp", "Abaqus"),
     ("xdmf", "XDMF"),
     ("mesh", "Medit"),
@@ -96,7 +94,8 @@ pub(super) fn unread(ending: &str) -> Option<PictureError> {
     let container = named(&CONTAINER_ENDINGS).map(|format| PictureError::Container { format });
     let picture = || named(&PICTURE_ENDINGS).map(|format| PictureError::Format { format });
     let mesh = || named(&MESH_ENDINGS).map(|format| PictureError::Mesh { format });
-    container.or_else(picture).or_else(mesh)
+    let surface = || named(&SURFACE_ENDINGS).map(|format| PictureError::Surface { format });
+    container.or_else(picture).or_else(mesh).or_else(surface)
 }
 
 /// Recognises what the bytes are.

@@ -18,7 +18,7 @@ use super::tied;
 use crate::interruption::Interruption;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
-use crate::mechanics::{Body, Configuration, System, Tension, Vectors, product, zeros};
+use crate::mechanics::{Body, Configuration, System, Tension, Vectors, largest, product, zeros};
 use std::array::from_fn;
 
 /// Why an equilibrium was not found.
@@ -173,8 +173,9 @@ impl<'a, const D: usize> Solver<'a, D> {
 
     /// What serves a solver that continues, where it is costly.
     pub(super) fn keep(self) -> Option<Kept<D>> {
+        let serves = self.factor.is_costly() && self.system.compliance().is_none();
         let Self { factor, stiffness, stands_at, .. } = self;
-        factor.is_costly().then_some(Kept { factor, stiffness, stands_at })
+        serves.then_some(Kept { factor, stiffness, stands_at })
     }
 
     /// The body at its start.
@@ -236,14 +237,12 @@ impl<'a, const D: usize> Solver<'a, D> {
         self.renew()
     }
 
-    /// Whether a factor costs much more than some uses of the last one.
-    pub(super) fn is_costly(&self) -> bool {
-        self.factor.is_costly()
-    }
-
     /// Whether a factor serves for equilibria nearby.
     pub(super) fn keeps_factor(&self) -> bool {
-        self.nearby && self.factor.is_costly() && self.system.compliance().is_none()
+        self.nearby
+            && self.factor.is_costly()
+            && self.factor.is_made()
+            && self.system.compliance().is_none()
     }
 
     /// Lets equilibria share factors or not, whatever these cost.
@@ -264,7 +263,7 @@ impl<'a, const D: usize> Solver<'a, D> {
             self.assemble(&at.positions, at.tension.into());
             self.factor.analyse(&self.body.positions, &self.stiffness, &self.interruption)?;
         }
-        if !self.keeps_factor() {
+        if !self.factor.is_costly() {
             return Ok(true);
         }
         self.assemble(&at.positions, at.tension.into());
@@ -287,9 +286,11 @@ impl<'a, const D: usize> Solver<'a, D> {
     /// Computes the factor of the stiffness.
     fn renew(&mut self) -> Result<(), Failure> {
         self.factorisations += 1;
-        self.is_factor = true;
+        self.is_factor = false;
         (self.serves, self.served, self.stands_at) = (false, 0, None);
-        Ok(self.factor.factorise(&self.body.positions, &self.stiffness, &self.interruption)?)
+        self.factor.factorise(&self.body.positions, &self.stiffness, &self.interruption)?;
+        self.is_factor = true;
+        Ok(())
     }
 
     /// Displacements (um) under forces (nN), with the last factor.
@@ -339,7 +340,10 @@ impl<'a, const D: usize> Solver<'a, D> {
         guess: &Vectors<D>,
         tolerance: f64,
     ) -> Result<Rest<D>, Failure> {
-        let (positions, corrections) = self.settle(guess, 0.0.into(), tolerance, true)?;
+        self.nearby = false;
+        let settled = self.settle(guess, 0.0.into(), tolerance, true);
+        self.nearby = true;
+        let (positions, corrections) = settled?;
         if self.is_factor && positions == *guess {
             self.stands_at = Some(0.0);
         }
@@ -358,7 +362,11 @@ impl<'a, const D: usize> Solver<'a, D> {
         let (positions, corrections) = if let Some(found) = nearby {
             found
         } else {
-            let found = self.settle(guess, tension, tolerance, false)?;
+            // Each correction with its own factor, the last of which shows that the equilibrium is stable.
+            self.nearby = false;
+            let found = self.settle(guess, tension, tolerance, false);
+            self.nearby = true;
+            let found = found?;
             self.serves = self.is_factor;
             found
         };
@@ -462,7 +470,7 @@ impl<'a, const D: usize> Solver<'a, D> {
                 }
                 return Ok((positions, corrections));
             }
-            // K is positive definite, so the energy falls in this direction, at this rate.
+            // K is positive definite, or it was chosen so: the energy falls in this direction, at this rate.
             let drop = product(&forces, &correction);
             let mut part = 1.0;
             loop {
@@ -689,14 +697,6 @@ fn hold_place<const D: usize>(positions: &Vectors<D>, free: &mut [Vec<bool>; D])
     });
     let across = (0..D).max_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
     free[across][third] = false;
-}
-
-/// Largest absolute value, um; NaN if one is NaN.
-pub(super) fn largest<const D: usize>(vectors: &Vectors<D>) -> f64 {
-    vectors
-        .iter()
-        .flatten()
-        .fold(0.0, |size: f64, value| if value.is_nan() { f64::NAN } else { size.max(value.abs()) })
 }
 
 fn moved<const D: usize>(positions: &Vectors<D>, direction: &Vectors<D>, by: f64) -> Vectors<D> {

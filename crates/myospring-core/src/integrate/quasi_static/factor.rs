@@ -33,6 +33,8 @@ pub(super) struct Factor<const D: usize = 2> {
     entries: Vec<f64>,
     /// The same in half of the memory, if the factor is costly.
     rounded: Vec<f32>,
+    /// Whether the entries are those of a factor.
+    made: bool,
     /// Products for each entry from which on it is costly.
     costly: f64,
     room: Room,
@@ -155,6 +157,7 @@ impl<const D: usize> Factor<D> {
             fronts: None,
             entries: Vec::new(),
             rounded: Vec::new(),
+            made: false,
             costly: COSTLY[usize::from(D > 2)],
             room: Room::default(),
         }
@@ -164,6 +167,11 @@ impl<const D: usize> Factor<D> {
     #[cfg(test)]
     pub(super) fn is_to_be_costly(&mut self, costly: bool) {
         self.costly = if costly { 0.0 } else { f64::INFINITY };
+    }
+
+    /// Whether there is a factor: the last one could be made.
+    pub(super) fn is_made(&self) -> bool {
+        self.made
     }
 
     /// Whether order and pattern are known.
@@ -183,6 +191,11 @@ impl<const D: usize> Factor<D> {
             self.fronts = None;
             self.fronts = Some(self.find_fronts(positions, stiffness, interruption)?);
             self.blocks = stiffness.blocks();
+            if self.is_costly() {
+                self.rounded.clear();
+                let reserved = self.rounded.try_reserve_exact(self.entries.len());
+                reserved.map_err(|_| FactorError::TooLarge)?;
+            }
         }
         Ok(())
     }
@@ -194,6 +207,7 @@ impl<const D: usize> Factor<D> {
         stiffness: &StiffnessMatrix<D>,
         interruption: &Interruption,
     ) -> Result<(), FactorError> {
+        self.made = false;
         self.analyse(positions, stiffness, interruption)?;
         self.room.clear();
         let Self { free, fronts, entries, room, .. } = self;
@@ -206,6 +220,7 @@ impl<const D: usize> Factor<D> {
             self.rounded.clear();
             self.rounded.extend(self.entries.iter().map(|entry| *entry as f32));
         }
+        self.made = true;
         Ok(())
     }
 

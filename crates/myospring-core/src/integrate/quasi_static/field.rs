@@ -31,7 +31,7 @@ use crate::mechanics::{Body, System, Tension, Vectors};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Equilibrium<'a, const D: usize = 2> {
-    solver: Solver<'a, D>,
+    pub(super) solver: Solver<'a, D>,
     tolerance: f64,
     /// Iterations of Newton's method so far.
     pub newton_iterations: usize,

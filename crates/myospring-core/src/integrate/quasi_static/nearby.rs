@@ -3,10 +3,9 @@
 //! The method of conjugate gradients (`hestenes_1952`) with that factor as its preconditioner: the nearer both are, the fewer rounds. Where
 //! a factor is costly, some rounds take less time than another one.
 
-use super::equilibrium::largest;
 use super::factor::Factor;
 use crate::mechanics::stiffness::StiffnessMatrix;
-use crate::mechanics::{Vectors, add_scaled, product, zeros};
+use crate::mechanics::{Vectors, add_scaled, largest, product, zeros};
 
 /// Rounds after which another factor is better, and by what part at least the rest falls in each, but for the first ones.
 const ROUNDS: i32 = 15;
@@ -69,21 +68,20 @@ fn improve<const D: usize>(
 ) -> Nearby<D> {
     factor.hold(&mut left);
     let mut next = factor.solve_roughly(&left);
-    if largest(&next) <= small {
-        add_scaled(&mut moved, 1.0, &next);
-        return Nearby::Solved(moved);
-    }
     let mut direction = next.clone();
     let first = product(&left, &next);
     let mut size = first;
     let enough = enough(first);
     for round in 0..ROUNDS {
         // Both are squares in the norm of the factor.
+        if !size.is_finite() {
+            break;
+        }
         if size <= enough {
             return Nearby::Solved(moved);
         }
         let near = NEAR * FALL.powi(round);
-        if size.is_nan() || size > near * near * first {
+        if size > near * near * first {
             break;
         }
         let mut pulled = stiffness.times(&direction);
@@ -94,6 +92,9 @@ fn improve<const D: usize>(
         }
         let step = size / bent;
         add_scaled(&mut moved, step, &direction);
+        if round == 0 && step * largest(&direction) <= small {
+            return Nearby::Solved(moved);
+        }
         add_scaled(&mut left, -step, &pulled);
         next = factor.solve_roughly(&left);
         let was = std::mem::replace(&mut size, product(&left, &next));

@@ -1,6 +1,6 @@
 //! Paths whose load steps share a factor, beside paths whose steps each have their own.
 
-use super::{Path, PathError, Tolerance};
+use super::{Equilibrium, Path, PathError, Tolerance};
 use crate::interruption::Interruption;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::material::{Material, assemble, assemble_thick, default_material};
@@ -114,4 +114,24 @@ fn a_strip_that_buckles_is_found_out_where_several_load_steps_share_a_factor() {
     // Each is found to a ten-thousandth.
     assert!((a / b - 1.0).abs() < 3e-4 && a > beyond, "{ends:?}");
     assert_eq!(ends[0].2, ends[1].2);
+}
+
+#[test]
+fn a_push_that_no_shape_withstands_is_an_error_where_factors_are_shared_and_the_next_shape_is_found()
+ {
+    let (body, system) = twisting(SupportKind::MassCentre);
+    let [mut shared, mut own] = [true, false].map(|shares| {
+        let mut equilibrium = Equilibrium::new(&system, &body, Tolerance::default()).unwrap();
+        equilibrium.solver.share_factors(shares);
+        equilibrium
+    });
+    // At first, and when there has been a factor.
+    for _ in 0..2 {
+        let pushed = shared.find(&body.positions, (-5000.0).into());
+        assert!(matches!(pushed, Err(PathError::Unstable { .. } | PathError::Lost { .. })));
+        let [a, b] =
+            [&mut shared, &mut own].map(|of| of.find(&body.positions, 5.0.into()).unwrap());
+        let off = farthest(&a, &b);
+        assert!(off < 1e-6, "{off:e} um");
+    }
 }

@@ -1,11 +1,11 @@
-//! The same twitch in space: cubes in the form of the finite elements' own cell.
+//! The twitch of finite elements in space: cubes in the form of the finite elements' own cell.
 //!
 //! `cell_3D_intracellular.vtk` has that cell's tetrahedra, some as wide as half of it. What is inside of them is filled with cubes. The matrix
-//! around is springs that hold each point where it was, in proportion to its volume. Two constants are fitted as for the strip:
+//! around is springs that hold each point where it was, in proportion to its volume. Two constants are fitted as for the strip of [`finite_elements`]:
 //! Young's modulus to the peak of the strain, the matrix to the mean fibre stress at that peak.
 
-use super::{Line, SOURCE, apart, timing};
 use crate::check::{Failure, Setting};
+use crate::finite_elements::{self, LENGTH, Line, SOURCE, VOLUME, apart, timing};
 use crate::row::Row;
 use myospring::integrate::quasi_static::{Path, Tolerance};
 use myospring::interruption::Interruption;
@@ -86,7 +86,7 @@ impl Cell {
             &fibres,
             SupportKind::MassCentre,
             [1.0, 0.0, 0.0],
-            super::LENGTH,
+            LENGTH,
         );
         let stiffness = self.mesh.areas.iter().map(|volume| self.matrix * volume).collect();
         let matrix = Matrix { places: body.positions.clone(), stiffness };
@@ -209,7 +209,19 @@ fn voxels(text: &str) -> Result<Voxels, Failure> {
     Ok(Voxels::new(size, [VOXEL; 3], inside)?)
 }
 
-pub(super) fn rows(setting: &Setting<'_>, lines: &[Line]) -> Result<Vec<Row>, Failure> {
+/// The twitch in the plane and in space beside theirs.
+///
+/// # Errors
+/// Files that cannot be read, a strip or a cell without equilibrium.
+pub fn rows(setting: &Setting<'_>) -> Result<Vec<Row>, Failure> {
+    let mut rows = finite_elements::rows(setting)?;
+    if let Some(lines) = finite_elements::lines(setting)? {
+        rows.extend(in_space(setting, &lines)?);
+    }
+    Ok(rows)
+}
+
+fn in_space(setting: &Setting<'_>, lines: &[Line]) -> Result<Vec<Row>, Failure> {
     let file = setting.data.join(FILE);
     if !file.exists() {
         let missing = format!("no {FILE} beside the twitch");
@@ -236,8 +248,8 @@ pub(super) fn rows(setting: &Setting<'_>, lines: &[Line]) -> Result<Vec<Row>, Fa
             "the finite elements' own cell as voxels: volume",
             "what its authors state",
             volume,
-            super::VOLUME,
-            0.005 * super::VOLUME,
+            VOLUME,
+            0.005 * VOLUME,
             "um^3",
             format!("voxels of {VOXEL} um"),
         ),
