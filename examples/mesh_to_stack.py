@@ -25,7 +25,7 @@ def stack(points: np.ndarray, tetrahedra: np.ndarray, side: float) -> np.ndarray
         middles = low + (places + 0.5) * side
         if np.linalg.matrix_rank(corners[1:] - corners[0]) < 3:
             continue
-        # Barycentric coordinates of three corners; that of the fourth is what is left of 1.
+        # Barycentric coordinates of three corners; the fourth is 1 minus their sum.
         parts = np.linalg.solve((corners[1:] - corners[0]).T, (middles - corners[0]).T)
         # A middle on a face may be rounded out of both tetrahedra.
         x, y, z = places[(parts.min(axis=0) >= -1e-9) & (parts.sum(axis=0) <= 1 + 1e-9)].T

@@ -34,6 +34,7 @@ mod error;
 mod factor;
 mod field;
 mod nearby;
+mod placement;
 mod shapes;
 mod tied;
 mod tolerance;

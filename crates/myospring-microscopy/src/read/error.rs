@@ -35,7 +35,7 @@ pub enum PictureError {
     },
     /// A surface in space.
     #[error(
-        "this is a {format} surface, which is not taken as it is; write which voxels are inside of it as a mask stack, for \
+        "this is a surface ({format}), which is not taken as it is; write which voxels are inside of it as a mask stack, for \
          --stack (in Python: trimesh.load(file).voxelized(0.25).fill())"
     )]
     Surface {
