@@ -160,9 +160,10 @@ impl<'a, const D: usize> Path<'a, D> {
         tolerance: Tolerance,
         interruption: &Interruption,
     ) -> Result<Self, PathError> {
-        check_forces(system, body, interruption)?;
+        let stiffness = check_forces(system, body, interruption)?;
         let extent = extent(body);
-        let mut solver = Solver::new(system, body, interruption);
+        let kept = Kept::new(system, body, stiffness);
+        let mut solver = Solver::continued(system, body, Some(kept), interruption);
         let rest = solver
             .find_from_afar(&body.positions, tolerance.equilibrium * extent)
             .map_err(|failure| ending(failure, body, [0.0; 2], None))?;
@@ -427,12 +428,12 @@ fn ending<const D: usize>(
     }
 }
 
-/// Checks that the shape depends on the tension alone.
+/// Checks that the shape depends on the tension alone; returns a stiffness with all its blocks.
 fn check_forces<const D: usize>(
     system: &System<D>,
     body: &Body<D>,
     interruption: &Interruption,
-) -> Result<(), PathError> {
+) -> Result<StiffnessMatrix<D>, PathError> {
     let still = zeros(body.len());
     let at = Configuration { positions: &body.positions, velocities: &still, tension: 1.0.into() };
     // Holding the mass centre removes the resultant of outer forces, and that has no energy.
@@ -457,7 +458,7 @@ fn check_forces<const D: usize>(
             return Err(PathError::NoStiffness { force: name });
         }
     }
-    Ok(())
+    Ok(stiffness)
 }
 
 #[cfg(test)]

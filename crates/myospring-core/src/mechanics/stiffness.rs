@@ -24,15 +24,21 @@ pub type Block<const D: usize = 2> = [[f64; D]; D];
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct StiffnessMatrix<const D: usize = 2> {
-    /// For each node, its partners with equal or higher index, in order, and the block.
-    rows: Vec<Vec<(usize, Block<D>)>>,
+    rows: Vec<Row<D>>,
     blocks: usize,
+}
+
+/// The partners of a node with equal or higher index, in order, and the block of each. They lie apart: partners are searched often.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Row<const D: usize> {
+    partners: Vec<usize>,
+    blocks: Vec<Block<D>>,
 }
 
 impl<const D: usize> StiffnessMatrix<D> {
     /// A matrix of zeros for `count` nodes.
     pub fn new(count: usize) -> Self {
-        Self { rows: vec![Vec::new(); count], blocks: 0 }
+        Self { rows: vec![Row::default(); count], blocks: 0 }
     }
 
     /// Number of nodes.
@@ -52,8 +58,8 @@ impl<const D: usize> StiffnessMatrix<D> {
 
     /// Sets all values to zero and keeps the pattern.
     pub fn clear(&mut self) {
-        for (_, block) in self.rows.iter_mut().flatten() {
-            *block = [[0.0; D]; D];
+        for row in &mut self.rows {
+            row.blocks.fill([[0.0; D]; D]);
         }
     }
 
@@ -66,19 +72,19 @@ impl<const D: usize> StiffnessMatrix<D> {
         let (row, column, block) = if a <= b { (a, b, block) } else { (b, a, mirrored()) };
         assert!(column < self.rows.len(), "node {column} of {}", self.rows.len());
         let row = &mut self.rows[row];
-        let place = row.iter().position(|(other, _)| *other >= column).unwrap_or(row.len());
-        match row.get_mut(place) {
-            Some((other, sum)) if *other == column => {
-                for i in 0..D {
-                    for j in 0..D {
-                        sum[i][j] += block[i][j];
-                    }
+        let Row { partners, blocks } = row;
+        let place = partners.iter().position(|other| *other >= column).unwrap_or(partners.len());
+        if partners.get(place) == Some(&column) {
+            let sum = &mut blocks[place];
+            for i in 0..D {
+                for j in 0..D {
+                    sum[i][j] += block[i][j];
                 }
             }
-            _ => {
-                row.insert(place, (column, block));
-                self.blocks += 1;
-            }
+        } else {
+            partners.insert(place, column);
+            blocks.insert(place, block);
+            self.blocks += 1;
         }
     }
 
@@ -92,16 +98,37 @@ impl<const D: usize> StiffnessMatrix<D> {
         self.add(a, b, block.map(|row| row.map(|value| -value)));
     }
 
+    /// Adds another matrix.
+    ///
+    /// # Panics
+    /// If it has more nodes.
+    pub(crate) fn add_all(&mut self, other: &Self) {
+        for (a, row) in other.rows.iter().enumerate() {
+            if self.rows[a].partners == row.partners {
+                for (sum, block) in self.rows[a].blocks.iter_mut().zip(&row.blocks) {
+                    for (sum, part) in sum.iter_mut().flatten().zip(block.iter().flatten()) {
+                        *sum += part;
+                    }
+                }
+            } else {
+                for (&b, block) in row.partners.iter().zip(&row.blocks) {
+                    self.add(a, b, *block);
+                }
+            }
+        }
+    }
+
     /// The partners of a node with equal or higher index, in order, and their blocks.
-    pub fn row(&self, node: usize) -> &[(usize, Block<D>)] {
-        &self.rows[node]
+    pub fn row(&self, node: usize) -> (&[usize], &[Block<D>]) {
+        let Row { partners, blocks } = &self.rows[node];
+        (partners, blocks)
     }
 
     /// The product with one vector per node (um gives nN).
     pub fn times(&self, vectors: &Vectors<D>) -> Vectors<D> {
         let mut product = zeros(self.len());
         for (a, row) in self.rows.iter().enumerate() {
-            for &(b, block) in row {
+            for (&b, block) in row.partners.iter().zip(&row.blocks) {
                 for i in 0..D {
                     for j in 0..D {
                         product[i][a] += block[i][j] * vectors[j][b];

@@ -12,7 +12,9 @@ use super::tied;
 use crate::interruption::Interruption;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::support::Support;
-use crate::mechanics::{Body, Configuration, System, Tension, Vectors, largest, product, zeros};
+use crate::mechanics::{
+    Body, Configuration, Force, System, Tension, Vectors, largest, product, zeros,
+};
 use std::array::from_fn;
 
 /// Why an equilibrium was not found.
@@ -50,8 +52,10 @@ const INEXACT: f64 = 1e-5;
 const EXACT: f64 = 1e-10;
 /// The same with a stiffness near one whose factor is known, for a correction: Newton's method leaves more of it.
 const NEARLY: f64 = 1e-3;
-/// The same for a slope, which is kept: far below what the interpolation between two tensions may be off.
-const SLOPE: f64 = 1e-7;
+/// The same for a slope of a flat and of a thick body, which is kept: far below what the interpolation between two tensions may be off. Between
+/// tensions that differ by `h` a relative error `e` of slopes moves it by at most `4/27 e h |slope|`, where `h |slope|` is some
+/// hundredths of the length.
+const SLOPE: [f64; 2] = [1e-7, 1e-6];
 
 /// A correction with an old factor is at most this part of the one before; otherwise the factor is too far from the stiffness.
 const FALLS: f64 = 0.3;
@@ -83,6 +87,16 @@ pub(super) struct Kept<const D: usize> {
     stands_at: Option<f64>,
 }
 
+impl<const D: usize> Kept<D> {
+    /// At the start: a stiffness with all its blocks.
+    pub(super) fn new(system: &System<D>, body: &Body<D>, stiffness: StiffnessMatrix<D>) -> Self {
+        let free = free(system, body);
+        let tied = system.compliance().is_some();
+        let factor = if tied { Factor::whole(free) } else { Factor::new(free) };
+        Self { factor, stiffness, stands_at: None }
+    }
+}
+
 /// Finds equilibria of one body.
 pub(super) struct Solver<'a, const D: usize = 2> {
     system: &'a System<D>,
@@ -90,6 +104,8 @@ pub(super) struct Solver<'a, const D: usize = 2> {
     still: Vectors<D>,
     factor: Factor<D>,
     stiffness: StiffnessMatrix<D>,
+    /// What another thread adds to it.
+    beside: StiffnessMatrix<D>,
     /// Whether the factor is that of the stiffness, not of one nearby.
     is_factor: bool,
     /// Whether there is a factor, and the last equilibrium took few uses of it.
@@ -122,17 +138,15 @@ impl<'a, const D: usize> Solver<'a, D> {
         kept: Option<Kept<D>>,
         interruption: &Interruption,
     ) -> Self {
-        let Kept { factor, stiffness, stands_at } = kept.unwrap_or_else(|| Kept {
-            factor: Factor::new(free(system, body)),
-            stiffness: StiffnessMatrix::new(body.len()),
-            stands_at: None,
-        });
+        let Kept { factor, stiffness, stands_at } =
+            kept.unwrap_or_else(|| Kept::new(system, body, StiffnessMatrix::new(body.len())));
         Self {
             system,
             body,
             still: zeros(body.len()),
             factor,
             stiffness,
+            beside: StiffnessMatrix::new(if D > 2 { body.len() } else { 0 }),
             is_factor: false,
             serves: false,
             served: 0,
@@ -248,11 +262,24 @@ impl<'a, const D: usize> Solver<'a, D> {
     }
 
     fn assemble(&mut self, positions: &Vectors<D>, tension: Tension<'_>) {
-        self.stiffness.clear();
         let at = Configuration { positions, velocities: &self.still, tension };
-        for force in self.system.passive.iter().chain(&self.system.active) {
-            force.add_stiffness(&at, &mut self.stiffness);
+        let fill = |matrix: &mut StiffnessMatrix<D>, forces: &[&dyn Force<D>]| {
+            matrix.clear();
+            for force in forces {
+                force.add_stiffness(&at, matrix);
+            }
+        };
+        let forces = self.system.passive.iter().chain(&self.system.active);
+        let forces: Vec<&dyn Force<D>> = forces.map(AsRef::as_ref).collect();
+        if D == 2 {
+            fill(&mut self.stiffness, &forces);
+            return;
         }
+        // Thick bodies have many blocks: two threads add up theirs.
+        let (first, others) = forces.split_at(1.min(forces.len()));
+        let [one, other] = [&mut self.stiffness, &mut self.beside];
+        rayon::join(|| fill(one, first), || fill(other, others));
+        one.add_all(other);
     }
 
     /// Computes the factor of the stiffness.
@@ -273,6 +300,9 @@ impl<'a, const D: usize> Solver<'a, D> {
     fn by_factor(&mut self, forces: &Vectors<D>, tolerance: f64) -> Vectors<D> {
         match self.system.compliance() {
             Some(other) => tied::solve(&self.factor, other, forces, tolerance),
+            None if self.factor.is_costly() => {
+                nearby::solve_by_rounded(&self.factor, &self.stiffness, forces, tolerance)
+            }
             None => self.factor.solve(forces),
         }
     }
@@ -508,7 +538,8 @@ impl<'a, const D: usize> Solver<'a, D> {
         // 0 = d f/d Ta = load - K dx/dTa
         let slope = match guess.filter(|_| !self.is_factor) {
             Some(guess) => {
-                nearby::solve_from(&self.factor, &self.stiffness, &load, guess, SLOPE).solved()
+                let tolerance = SLOPE[usize::from(D > 2)];
+                nearby::solve_from(&self.factor, &self.stiffness, &load, guess, tolerance).solved()
             }
             None => None,
         };

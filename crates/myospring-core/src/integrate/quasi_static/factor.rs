@@ -17,10 +17,11 @@ pub(super) use error::FactorError;
 use crate::interruption::Interruption;
 use crate::mechanics::Vectors;
 use crate::mechanics::stiffness::StiffnessMatrix;
-use dense::{Eliminate, Eliminated};
+use dense::{Blocks, Eliminate, Eliminated};
 use dissection::{Graph, dissect};
 use fronts::{Front, Fronts};
 use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A factor that is recomputed for each stiffness.
 pub(super) struct Factor<const D: usize = 2> {
@@ -30,62 +31,140 @@ pub(super) struct Factor<const D: usize = 2> {
     blocks: usize,
     fronts: Option<Fronts<D>>,
     /// Columns of the factor, front by front.
-    entries: Vec<f64>,
-    /// The same in half of the memory, if the factor is costly.
-    rounded: Vec<f32>,
+    entries: Entries,
     /// Whether the entries are those of a factor.
     made: bool,
     /// Products for each entry from which on it is costly.
     costly: f64,
-    room: Room,
+    rooms: Rooms,
+}
+
+/// Entries of a factor. Its use is bound by memory: rounded ones take half of it, and half of the time.
+enum Entries {
+    Whole(Vec<f64>),
+    Rounded(Vec<f32>),
+}
+
+/// A number that is an entry.
+trait Entry: Copy + Into<f64> + Send + Sync {
+    /// Computes entries, in `spare` memory if these are rounded.
+    fn compute<R>(
+        kept: &mut [Self],
+        spare: &mut Vec<f64>,
+        work: impl FnOnce(&mut [f64]) -> R,
+    ) -> Result<R, FactorError>;
+}
+
+impl Entry for f64 {
+    fn compute<R>(
+        kept: &mut [Self],
+        _: &mut Vec<f64>,
+        work: impl FnOnce(&mut [f64]) -> R,
+    ) -> Result<R, FactorError> {
+        Ok(work(kept))
+    }
+}
+
+impl Entry for f32 {
+    fn compute<R>(
+        kept: &mut [Self],
+        spare: &mut Vec<f64>,
+        work: impl FnOnce(&mut [f64]) -> R,
+    ) -> Result<R, FactorError> {
+        make_longer(spare, kept.len())?;
+        let entries = &mut spare[..kept.len()];
+        let result = work(entries);
+        kept.iter_mut().zip(entries).for_each(|(kept, entry)| *kept = *entry as Self);
+        Ok(result)
+    }
 }
 
 /// Halves with less work than this, in products, are not worth a second thread.
 const WORTH_A_THREAD: f64 = 1e7;
+
+/// A half with less than this part of a factor is not used by a second thread, which has its own copy of all coordinates.
+const PARTS: usize = 32;
 
 /// A factor is costly from this many products for each of its entries on, of a flat and of a thick body. One more then takes longer than
 /// the uses of the last one that replace it: elimination is bound by the processor, use by memory. Thick bodies keep their volume, so that
 /// guesses are more often unstable and a factor of their own is made in vain.
 const COSTLY: [f64; 2] = [500.0, 200.0];
 
-/// Memory of one thread.
+/// Memory for some fronts that are eliminated one after the other.
 #[derive(Default)]
 struct Room {
     /// Updates that wait for the front above theirs.
-    stacks: [Vec<f64>; 2],
+    stacks: [Stack; 2],
     packed: [Vec<f64>; 2],
-    /// That of the thread which eliminates the second half.
-    beside: Option<Box<Self>>,
+    spare: Vec<f64>,
 }
 
-impl Room {
-    fn clear(&mut self) {
-        self.stacks.iter_mut().for_each(Vec::clear);
-        if let Some(beside) = &mut self.beside {
-            beside.clear();
-        }
+/// Updates on each other, and where they end.
+#[derive(Default)]
+struct Stack {
+    memory: Vec<f64>,
+    top: usize,
+}
+
+impl Stack {
+    /// Makes place for an update, whatever is in it.
+    fn push(&mut self, size: usize) -> Result<&mut [f64], FactorError> {
+        let start = self.top;
+        make_longer(&mut self.memory, start + size)?;
+        self.top += size;
+        Ok(&mut self.memory[start..self.top])
+    }
+
+    /// Hands up the update of a half and takes it from the stack, where it lies on top.
+    fn pop<const D: usize>(
+        &mut self,
+        half: &Front<D>,
+        front: &Front<D>,
+        panel: &mut [f64],
+        rest: &mut [f64],
+    ) {
+        let end = self.top;
+        self.top -= half.update_size();
+        half.hand_up(&self.memory[self.top..end], front, panel, rest);
     }
 }
 
-/// Makes place for an update.
-fn push(stack: &mut Vec<f64>, size: usize) -> Result<&mut [f64], FactorError> {
-    let start = stack.len();
-    stack.try_reserve(size).map_err(|_| FactorError::TooLarge)?;
-    stack.resize(start + size, 0.0);
-    Ok(&mut stack[start..])
+/// Memory for entries.
+fn zeros<T: Clone + Default>(size: usize) -> Result<Vec<T>, FactorError> {
+    let mut memory = Vec::new();
+    memory.try_reserve_exact(size).map_err(|_| FactorError::TooLarge)?;
+    memory.resize(size, T::default());
+    Ok(memory)
 }
 
-/// Hands up the update of a half and takes it from the stack, where it lies on top.
-fn pop<const D: usize>(
-    stack: &mut Vec<f64>,
-    half: &Front<D>,
-    front: &Front<D>,
-    panel: &mut [f64],
-    rest: &mut [f64],
-) {
-    let start = stack.len() - half.update_size();
-    half.hand_up(&stack[start..], front, panel, rest);
-    stack.truncate(start);
+/// Makes memory at least so long.
+fn make_longer(memory: &mut Vec<f64>, size: usize) -> Result<(), FactorError> {
+    if let Some(more) = size.checked_sub(memory.len()) {
+        memory.try_reserve_exact(more).map_err(|_| FactorError::TooLarge)?;
+        memory.resize(size, 0.0);
+    }
+    Ok(())
+}
+
+/// Rooms that were used before.
+#[derive(Default)]
+struct Rooms(Mutex<Vec<Room>>);
+
+impl Rooms {
+    fn list(&self) -> MutexGuard<'_, Vec<Room>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// An empty room.
+    fn take(&self) -> Room {
+        let mut room = self.list().pop().unwrap_or_default();
+        room.stacks.iter_mut().for_each(|stack| stack.top = 0);
+        room
+    }
+
+    fn put_back(&self, room: Room) {
+        self.list().push(room);
+    }
 }
 
 /// The elimination of a matrix.
@@ -93,58 +172,83 @@ struct Elimination<'a, const D: usize> {
     stiffness: &'a StiffnessMatrix<D>,
     free: &'a [Vec<bool>; D],
     fronts: &'a Fronts<D>,
+    rooms: &'a Rooms,
     interruption: &'a Interruption,
 }
 
 impl<const D: usize> Elimination<'_, D> {
     /// Eliminates a front and all below it, and pushes its update on the stack. `entries` are those of these fronts; the first of them is
     /// number `first` of the factor.
-    fn subtree(
+    fn subtree<T: Entry>(
         &self,
         front: &Front<D>,
-        (first, entries): (usize, &mut [f64]),
+        (first, entries): (usize, &mut [T]),
         room: &mut Room,
     ) -> Result<(), FactorError> {
         let [one, other] = front.halves.map(|half| half.map(|half| &self.fronts.list[half]));
         let end = |half: Option<&Front<D>>, start| half.map_or(start, |half| half.entries.end);
         let middle = end(one, first);
         let last = end(other, middle);
-        let (below, panel) = entries.split_at_mut(last - first);
+        let (below, own) = entries.split_at_mut(last - first);
         let (left, right) = below.split_at_mut(middle - first);
-        let apart = match (one, other) {
+        let mut beside = match (one, other) {
             (Some(one), Some(other)) if one.work.min(other.work) > WORTH_A_THREAD => {
-                let mut beside = room.beside.take().unwrap_or_default();
                 let (a, b) = rayon::join(
                     || self.subtree(one, (first, left), room),
-                    || self.subtree(other, (middle, right), &mut beside),
+                    || {
+                        let mut beside = self.rooms.take();
+                        self.subtree(other, (middle, right), &mut beside).map(|()| beside)
+                    },
                 );
-                room.beside = Some(beside);
-                a.and(b)?;
-                true
+                a?;
+                Some(b?)
             }
             _ => {
                 one.map_or(Ok(()), |one| self.subtree(one, (first, left), room))?;
                 other.map_or(Ok(()), |other| self.subtree(other, (middle, right), room))?;
-                false
+                None
             }
         };
-        front.fill(panel, self.stiffness, &self.fronts.order, self.free);
-        let Room { stacks: [even, odd], packed, beside } = room;
+        let Room { stacks: [even, odd], packed, spare } = room;
         let (stack, halves) = if front.stack == 0 { (even, odd) } else { (odd, even) };
-        let rest = push(stack, front.update_size())?;
-        if let Some(other) = other {
-            let stack = match beside {
-                Some(beside) if apart => &mut beside.stacks[1 - front.stack],
-                _ => &mut *halves,
-            };
-            pop(stack, other, front, panel, rest);
-        }
-        if let Some(one) = one {
-            pop(halves, one, front, panel, rest);
-        }
+        let rest = stack.push(front.update_size())?;
         let [rows, columns] = front.size();
-        let interruption = self.interruption;
-        Eliminate { panel, rows, columns, rest, packed, interruption }.run()
+        clear_lower(rest, rows - columns);
+        T::compute(own, spare, |panel| {
+            front.fill(panel, self.stiffness, &self.fronts.order, self.free);
+            if let Some(other) = other {
+                let stack = match &mut beside {
+                    Some(beside) => &mut beside.stacks[1 - front.stack],
+                    None => &mut *halves,
+                };
+                stack.pop(other, front, panel, rest);
+            }
+            if let Some(one) = one {
+                halves.pop(one, front, panel, rest);
+            }
+            if let Some(beside) = beside {
+                self.rooms.put_back(beside);
+            }
+            let interruption = self.interruption;
+            let blocks = if D > 2 { Blocks::LARGE } else { Blocks::SMALL };
+            Eliminate { panel, rows, columns, rest, blocks, packed, interruption }.run()
+        })?
+    }
+
+    /// Eliminates all fronts.
+    fn run<T: Entry>(&self, entries: &mut [T]) -> Result<(), FactorError> {
+        let Some(root) = self.fronts.list.last() else { return Ok(()) };
+        let mut room = self.rooms.take();
+        let done = self.subtree(root, (0, entries), &mut room);
+        self.rooms.put_back(room);
+        done
+    }
+}
+
+/// Sets the lower triangle of a square matrix to 0, column by column.
+fn clear_lower(square: &mut [f64], size: usize) {
+    for (number, column) in square.chunks_exact_mut(size.max(1)).enumerate() {
+        column[number..].fill(0.0);
     }
 }
 
@@ -155,18 +259,23 @@ impl<const D: usize> Factor<D> {
             free,
             blocks: 0,
             fronts: None,
-            entries: Vec::new(),
-            rounded: Vec::new(),
+            entries: Entries::Whole(Vec::new()),
             made: false,
             costly: COSTLY[usize::from(D > 2)],
-            room: Room::default(),
+            rooms: Rooms::default(),
         }
+    }
+
+    /// Keeps all digits, whatever it costs.
+    pub(super) fn whole(free: [Vec<bool>; D]) -> Self {
+        Self { costly: f64::INFINITY, ..Self::new(free) }
     }
 
     /// Takes factors to be costly or not, whatever they cost.
     #[cfg(test)]
     pub(super) fn is_to_be_costly(&mut self, costly: bool) {
         self.costly = if costly { 0.0 } else { f64::INFINITY };
+        (self.fronts, self.made) = (None, false);
     }
 
     /// Whether there is a factor: the last one could be made.
@@ -189,13 +298,17 @@ impl<const D: usize> Factor<D> {
     ) -> Result<(), FactorError> {
         if self.fronts.is_none() || self.blocks != stiffness.blocks() {
             self.fronts = None;
-            self.fronts = Some(self.find_fronts(positions, stiffness, interruption)?);
+            let graph = Graph::new(stiffness);
+            let dissection = dissect(&graph, positions, interruption);
+            let fronts = Fronts::new(stiffness, &graph, dissection, interruption)?;
+            let size = fronts.entries;
+            self.fronts = Some(fronts);
             self.blocks = stiffness.blocks();
-            if self.is_costly() {
-                self.rounded.clear();
-                let reserved = self.rounded.try_reserve_exact(self.entries.len());
-                reserved.map_err(|_| FactorError::TooLarge)?;
-            }
+            self.entries = if self.is_costly() {
+                Entries::Rounded(zeros(size)?)
+            } else {
+                Entries::Whole(zeros(size)?)
+            };
         }
         Ok(())
     }
@@ -209,17 +322,13 @@ impl<const D: usize> Factor<D> {
     ) -> Result<(), FactorError> {
         self.made = false;
         self.analyse(positions, stiffness, interruption)?;
-        self.room.clear();
-        let Self { free, fronts, entries, room, .. } = self;
+        let Self { free, fronts, entries, rooms, .. } = self;
         let Some(fronts) = fronts else { return Ok(()) };
-        let elimination = Elimination { stiffness, free, fronts, interruption };
-        if let Some(root) = fronts.list.last() {
-            elimination.subtree(root, (0, entries), room)?;
-        }
-        if self.is_costly() {
-            self.rounded.clear();
-            self.rounded.extend(self.entries.iter().map(|entry| *entry as f32));
-        }
+        let elimination = Elimination { stiffness, free, fronts, rooms, interruption };
+        match entries {
+            Entries::Whole(entries) => elimination.run(entries),
+            Entries::Rounded(entries) => elimination.run(entries),
+        }?;
         self.made = true;
         Ok(())
     }
@@ -227,7 +336,7 @@ impl<const D: usize> Factor<D> {
     /// Whether a new factor costs much more than some uses of the last one.
     pub(super) fn is_costly(&self) -> bool {
         let root = self.fronts.as_ref().and_then(|fronts| fronts.list.last());
-        root.is_some_and(|root| root.work > self.costly * self.entries.len() as f64)
+        root.is_some_and(|root| root.work > self.costly * root.entries.end as f64)
     }
 
     /// Sets held coordinates to 0.
@@ -240,44 +349,17 @@ impl<const D: usize> Factor<D> {
         }
     }
 
-    fn find_fronts(
-        &mut self,
-        positions: &Vectors<D>,
-        stiffness: &StiffnessMatrix<D>,
-        interruption: &Interruption,
-    ) -> Result<Fronts<D>, FactorError> {
-        let graph = Graph::new(stiffness);
-        let fronts =
-            Fronts::new(stiffness, &graph, dissect(&graph, positions, interruption), interruption)?;
-        let reserve = |memory: &mut Vec<f64>, size: usize| {
-            memory.clear();
-            memory.try_reserve_exact(size).map_err(|_| FactorError::TooLarge)
-        };
-        reserve(&mut self.entries, fronts.entries)?;
-        self.entries.resize(fronts.entries, 0.0);
-        for (stack, size) in self.room.stacks.iter_mut().zip(fronts.stacks) {
-            reserve(stack, size)?;
-        }
-        Ok(fronts)
-    }
-
-    /// Displacements (um) under forces (nN) on the free coordinates; held ones do not move.
+    /// Displacements (um) under forces (nN) on the free coordinates; held ones do not move. A costly factor has some six digits.
     ///
     /// Uses the last factorised stiffness.
     pub(super) fn solve(&self, forces: &Vectors<D>) -> Vectors<D> {
-        self.solve_by(&self.entries, forces)
+        match &self.entries {
+            Entries::Whole(entries) => self.solve_by(entries, forces),
+            Entries::Rounded(entries) => self.solve_by(entries, forces),
+        }
     }
 
-    /// The same to some six digits, for a costly factor in half of the time: its use is bound by memory.
-    pub(super) fn solve_roughly(&self, forces: &Vectors<D>) -> Vectors<D> {
-        self.solve_by(&self.rounded, forces)
-    }
-
-    fn solve_by<T: Copy + Into<f64> + Sync>(
-        &self,
-        entries: &[T],
-        forces: &Vectors<D>,
-    ) -> Vectors<D> {
+    fn solve_by<T: Entry>(&self, entries: &[T], forces: &Vectors<D>) -> Vectors<D> {
         let mut moved = forces.each_ref().map(|axis| vec![0.0; axis.len()]);
         let Some(Fronts { order, list, .. }) = &self.fronts else { return moved };
         let mut right = vec![0.0; D * order.len()];
@@ -312,12 +394,18 @@ struct Substitution<'a, T, const D: usize> {
     apart: bool,
 }
 
-impl<T: Copy + Into<f64> + Sync, const D: usize> Substitution<'_, T, D> {
+impl<T: Entry, const D: usize> Substitution<'_, T, D> {
     /// Both halves of a front, if they are worth two threads.
     fn halves(&self, front: &Front<D>) -> Option<[usize; 2]> {
         let [Some(one), Some(other)] = front.halves else { return None };
-        let least = self.fronts[one].work.min(self.fronts[other].work);
-        (self.apart && least > WORTH_A_THREAD).then_some([one, other])
+        let least = self.entries_of(one).min(self.entries_of(other));
+        (self.apart && least > self.entries.len() / PARTS).then_some([one, other])
+    }
+
+    /// The entries of a front and of all below it.
+    fn entries_of(&self, front: usize) -> usize {
+        let first = &self.fronts[self.fronts[front].first];
+        self.fronts[front].entries.end - first.entries.start
     }
 
     /// The coordinates of a front and of all below it.

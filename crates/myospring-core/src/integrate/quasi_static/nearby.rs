@@ -16,8 +16,8 @@ const NEAR: f64 = 30.0;
 pub(super) enum Nearby<const D: usize> {
     /// Up to the tolerance.
     Solved(Vectors<D>),
-    /// The factor is too far from the stiffness.
-    Slow,
+    /// The factor is too far from the stiffness; how far it came.
+    Slow(Vectors<D>),
     /// The stiffness is not positive definite; the energy falls in this direction.
     Indefinite(Vectors<D>),
 }
@@ -26,7 +26,7 @@ impl<const D: usize> Nearby<D> {
     pub(super) fn solved(self) -> Option<Vectors<D>> {
         match self {
             Self::Solved(moved) => Some(moved),
-            Self::Slow | Self::Indefinite(_) => None,
+            Self::Slow(_) | Self::Indefinite(_) => None,
         }
     }
 }
@@ -40,7 +40,24 @@ pub(super) fn solve<const D: usize>(
     small: f64,
 ) -> Nearby<D> {
     let enough = |first: f64| tolerance * tolerance * first;
-    improve(factor, stiffness, zeros(forces[0].len()), forces.clone(), enough, small)
+    let start = (zeros(forces[0].len()), forces.clone());
+    improve(factor, stiffness, start, enough, small, NEAR)
+}
+
+/// Displacements (um) under forces (nN) by the factor of this stiffness, which is rounded, up to `tolerance`, a part of them.
+pub(super) fn solve_by_rounded<const D: usize>(
+    factor: &Factor<D>,
+    stiffness: &StiffnessMatrix<D>,
+    forces: &Vectors<D>,
+    tolerance: f64,
+) -> Vectors<D> {
+    let enough = |first: f64| tolerance * tolerance * first;
+    let start = (zeros(forces[0].len()), forces.clone());
+    match improve(factor, stiffness, start, enough, 0.0, f64::INFINITY) {
+        Nearby::Solved(moved) | Nearby::Slow(moved) => moved,
+        // A stiffness with a factor is positive definite, but for rounding.
+        Nearby::Indefinite(_) => factor.solve(forces),
+    }
 }
 
 /// As [`solve`], from displacements that are nearly right: they differ at the end by `tolerance`, a part of them.
@@ -54,20 +71,21 @@ pub(super) fn solve_from<const D: usize>(
     let mut left = forces.clone();
     add_scaled(&mut left, -1.0, &stiffness.times(guess));
     let whole = product(forces, guess).abs();
-    improve(factor, stiffness, guess.clone(), left, |_| tolerance * tolerance * whole, 0.0)
+    let enough = |_| tolerance * tolerance * whole;
+    improve(factor, stiffness, (guess.clone(), left), enough, 0.0, NEAR)
 }
 
 /// Adds to displacements what the forces that are left move, until twice the energy of that is as small as `enough` says, given what it was.
 fn improve<const D: usize>(
     factor: &Factor<D>,
     stiffness: &StiffnessMatrix<D>,
-    mut moved: Vectors<D>,
-    mut left: Vectors<D>,
+    (mut moved, mut left): (Vectors<D>, Vectors<D>),
     enough: impl Fn(f64) -> f64,
     small: f64,
+    near: f64,
 ) -> Nearby<D> {
     factor.hold(&mut left);
-    let mut next = factor.solve_roughly(&left);
+    let mut next = factor.solve(&left);
     let mut direction = next.clone();
     let first = product(&left, &next);
     let mut size = first;
@@ -80,7 +98,7 @@ fn improve<const D: usize>(
         if size <= enough {
             return Nearby::Solved(moved);
         }
-        let near = NEAR * FALL.powi(round);
+        let near = near * FALL.powi(round);
         if size > near * near * first {
             break;
         }
@@ -96,7 +114,7 @@ fn improve<const D: usize>(
             return Nearby::Solved(moved);
         }
         add_scaled(&mut left, -step, &pulled);
-        next = factor.solve_roughly(&left);
+        next = factor.solve(&left);
         let was = std::mem::replace(&mut size, product(&left, &next));
         for (axis, next) in direction.iter_mut().zip(&next) {
             for (value, next) in axis.iter_mut().zip(next) {
@@ -104,5 +122,5 @@ fn improve<const D: usize>(
             }
         }
     }
-    Nearby::Slow
+    Nearby::Slow(moved)
 }

@@ -7,8 +7,32 @@ use pulp::{Simd, WithSimd};
 /// Number of columns that are eliminated one by one before the others are updated.
 const BLOCK: usize = 16;
 
-/// Columns of a tile that stays in registers; its rows fill two registers.
-const TILE_COLUMNS: usize = 4;
+/// Rows of a tile with the widest registers: two of them. A tile of sums stays in registers; where they are many, it has
+/// [`MANY`] columns, else [`FEW`].
+const MOST_ROWS: usize = 16;
+const MANY: usize = 8;
+const FEW: usize = 4;
+
+/// Rows that are updated in all columns before the next ones, so that their tiles lie in the cache.
+const STRIP: usize = 32 * MOST_ROWS;
+
+/// How the columns of a front are put together.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Blocks {
+    /// Columns that are eliminated before the others of the front are updated.
+    wide: usize,
+    /// Columns that are taken from the rest at a time.
+    deep: usize,
+    /// Whether a product and its sum are rounded once, where the processor can do so.
+    fused: bool,
+}
+
+impl Blocks {
+    /// For small fronts: sums are the same on every machine.
+    pub(super) const SMALL: Self = Self { wide: BLOCK, deep: usize::MAX, fused: false };
+    /// For large ones: what is used again lies in the caches (`goto_2008`).
+    pub(super) const LARGE: Self = Self { wide: 128, deep: 128, fused: true };
+}
 
 /// Cholesky's elimination of the first columns of a front (`golub_van_loan_2013`,
 /// chapter 4), by blocks of columns:
@@ -19,8 +43,8 @@ const TILE_COLUMNS: usize = 4;
 /// ```
 ///
 /// All matrices are stored by columns as lower triangles; elements above the diagonals are not
-/// read. Every sum has the same order and no fused operations, so results are bitwise the same on
-/// every machine.
+/// read. Every sum has the same order. With [`Blocks::SMALL`], which fuses no operations, results are bitwise the
+/// same on every machine.
 pub(super) struct Eliminate<'a> {
     /// `A` over `B`, becomes `L` over `M`.
     pub(super) panel: &'a mut [f64],
@@ -28,6 +52,7 @@ pub(super) struct Eliminate<'a> {
     pub(super) columns: usize,
     /// `C`, becomes `C - M M'`.
     pub(super) rest: &'a mut [f64],
+    pub(super) blocks: Blocks,
     /// Memory for tiles.
     pub(super) packed: &'a mut [Vec<f64>; 2],
     /// Checked after each block of columns.
@@ -47,28 +72,51 @@ impl WithSimd for Eliminate<'_> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { panel, rows, columns, rest, packed, interruption } = self;
-        if columns == 0 {
-            // Parts that do not touch have no separator.
-            return Ok(());
+        if S::F64_LANES * 2 == MOST_ROWS {
+            eliminate::<S, MANY>(simd, self)
+        } else {
+            eliminate::<S, FEW>(simd, self)
         }
-        for start in (0..columns).step_by(BLOCK) {
-            interruption.check()?;
-            let end = columns.min(start + BLOCK);
-            if !factorise(panel, rows, start, end) {
-                return Err(FactorError::Indefinite);
-            }
-            let (block, others) = panel.split_at_mut(end * rows);
-            if end < columns {
-                let block = &block[start * rows..];
-                let size = [rows - end, columns - end];
-                subtract_square(simd, block, rows, end, size, &mut others[end..], rows, packed);
-            }
-        }
-        let size = [rows - columns; 2];
-        subtract_square(simd, panel, rows, columns, size, rest, rows - columns, packed);
-        Ok(())
     }
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "a call from here would lose the vector units")]
+fn eliminate<S: Simd, const WIDTH: usize>(
+    simd: S,
+    Eliminate { panel, rows, columns, rest, blocks, packed, interruption }: Eliminate<'_>,
+) -> Result<(), FactorError> {
+    if columns == 0 {
+        // Parts that do not touch have no separator.
+        return Ok(());
+    }
+    let mut wide = 0;
+    for start in (0..columns).step_by(BLOCK) {
+        interruption.check()?;
+        let end = columns.min(start + BLOCK);
+        if !factorise(panel, rows, start, end) {
+            return Err(FactorError::Indefinite);
+        }
+        // First the other columns of the wide block, then all after it.
+        let last = columns.min(wide + blocks.wide);
+        let updates = [(start, last), (wide, columns)];
+        for (from, to) in updates.into_iter().take(1 + usize::from(end == last)) {
+            let (block, others) = panel.split_at_mut(end * rows);
+            let taken = Taken { block: &block[from * rows..], stride: rows, first: end };
+            let size = [rows - end, to - end];
+            if end < to {
+                let others = &mut others[end..];
+                subtract_square::<S, WIDTH>(simd, taken, size, others, rows, blocks, packed);
+            }
+        }
+        if end == last {
+            wide = end;
+        }
+    }
+    let (size, stride) = ([rows - columns; 2], rows - columns);
+    let taken = Taken { block: panel, stride: rows, first: columns };
+    subtract_square::<S, WIDTH>(simd, taken, size, rest, stride, blocks, packed);
+    Ok(())
 }
 
 /// The columns of a front that were eliminated, and the right side at them. Loops have the same order and no fused operations, so results
@@ -184,50 +232,75 @@ fn factorise(panel: &mut [f64], rows: usize, start: usize, end: usize) -> bool {
     true
 }
 
-/// Subtracts `M M'` from the lower half of the first columns of a square matrix, where `M` are the rows of `block` from
-/// `first` on.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
-#[allow(clippy::too_many_arguments, reason = "two matrices by their parts")]
-fn subtract_square<S: Simd>(
-    simd: S,
-    block: &[f64],
+/// Columns that are eliminated, and the rows of them from `first` on: `M`.
+#[derive(Clone, Copy)]
+struct Taken<'a> {
+    block: &'a [f64],
     stride: usize,
     first: usize,
+}
+
+/// Subtracts `M M'` from the lower half of the first columns of a square matrix.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
+fn subtract_square<S: Simd, const WIDTH: usize>(
+    simd: S,
+    taken: Taken<'_>,
     [rows, columns]: [usize; 2],
     target: &mut [f64],
     target_stride: usize,
+    blocks: Blocks,
     [left, right]: &mut [Vec<f64>; 2],
 ) {
-    let depth = block.len() / stride;
+    if columns == 0 {
+        return;
+    }
     let height = 2 * S::F64_LANES;
-    pack(block, stride, first, rows, height, left);
-    pack(block, stride, first, columns, TILE_COLUMNS, right);
-    for (at, left) in left.chunks_exact(depth * height).enumerate() {
-        let row = at * height;
-        for (at, right) in right.chunks_exact(depth * TILE_COLUMNS).enumerate() {
-            let column = at * TILE_COLUMNS;
-            if column >= row + height {
-                break;
-            }
-            let tile = product(simd, left, right);
-            let whole = column + TILE_COLUMNS <= columns
-                && row + height <= rows
-                && row + 1 >= column + TILE_COLUMNS;
-            if whole {
-                for (at, sums) in tile.iter().enumerate() {
-                    let place = (column + at) * target_stride + row;
-                    let (values, _) = S::as_mut_simd_f64s(&mut target[place..place + height]);
-                    for (value, sum) in values.iter_mut().zip(sums) {
-                        *value = simd.sub_f64s(*value, *sum);
-                    }
+    let deep = blocks.deep.saturating_mul(taken.stride);
+    for block in taken.block.chunks(deep) {
+        let taken = Taken { block, ..taken };
+        let depth = block.len() / taken.stride;
+        pack(taken, rows, height, left);
+        pack(taken, columns, WIDTH, right);
+        for (at, left) in left.chunks(depth * STRIP).enumerate() {
+            let first = at * STRIP;
+            for (at, right) in right.chunks_exact(depth * WIDTH).enumerate() {
+                let column = at * WIDTH;
+                if column >= first + STRIP {
+                    break;
                 }
-            } else {
-                for (at, sums) in tile.iter().enumerate().take(columns - column) {
-                    let sums: &[f64] = pulp::bytemuck::cast_slice(sums);
-                    let column = column + at;
-                    for i in row.max(column)..rows.min(row + height) {
-                        target[column * target_stride + i] -= sums[i - row];
+                // Tiles above the diagonal have no part in it.
+                let skipped = column.saturating_sub(first) / height;
+                let tiles = left.chunks_exact(depth * height).enumerate().skip(skipped);
+                for (at, left) in tiles {
+                    let row = first + at * height;
+                    let tile: [_; WIDTH] = if blocks.fused {
+                        product(left, right, |a, b, sum| simd.mul_add_e_f64s(a, b, sum), simd)
+                    } else {
+                        let mul_add = |a, b, sum| simd.add_f64s(sum, simd.mul_f64s(a, b));
+                        product(left, right, mul_add, simd)
+                    };
+                    let whole = column + WIDTH <= columns
+                        && row + height <= rows
+                        && row + 1 >= column + WIDTH;
+                    // By number and value, so that the sums can stay in registers.
+                    for at in 0..WIDTH {
+                        let (column, [upper, lower]) = (column + at, tile[at]);
+                        let place = column * target_stride + row;
+                        if whole {
+                            let values = &mut target[place..place + height];
+                            let (values, _) = S::as_mut_simd_f64s(values);
+                            values[0] = simd.sub_f64s(values[0], upper);
+                            values[1] = simd.sub_f64s(values[1], lower);
+                        } else if column < columns {
+                            let mut sums = [0.0; MOST_ROWS];
+                            let (halves, _) = S::as_mut_simd_f64s(&mut sums[..height]);
+                            (halves[0], halves[1]) = (upper, lower);
+                            let from = column.saturating_sub(row);
+                            for at in from..height.min(rows - row) {
+                                target[place + at] -= sums[at];
+                            }
+                        }
                     }
                 }
             }
@@ -238,15 +311,19 @@ fn subtract_square<S: Simd>(
 /// The product of a tile's rows and columns.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
-fn product<S: Simd>(simd: S, left: &[f64], right: &[f64]) -> [[S::f64s; 2]; TILE_COLUMNS] {
-    let mut sums = [[simd.splat_f64s(0.0); 2]; TILE_COLUMNS];
+fn product<S: Simd, const WIDTH: usize>(
+    left: &[f64],
+    right: &[f64],
+    mul_add: impl Fn(S::f64s, S::f64s, S::f64s) -> S::f64s,
+    simd: S,
+) -> [[S::f64s; 2]; WIDTH] {
+    let mut sums = [[simd.splat_f64s(0.0); 2]; WIDTH];
     let (left, _) = S::as_simd_f64s(left);
-    for (left, right) in left.chunks_exact(2).zip(right.chunks_exact(TILE_COLUMNS)) {
-        for column in 0..TILE_COLUMNS {
+    for (left, right) in left.chunks_exact(2).zip(right.chunks_exact(WIDTH)) {
+        for column in 0..WIDTH {
             let factor = simd.splat_f64s(right[column]);
             for half in 0..2 {
-                let term = simd.mul_f64s(left[half], factor);
-                sums[column][half] = simd.add_f64s(sums[column][half], term);
+                sums[column][half] = mul_add(left[half], factor, sums[column][half]);
             }
         }
     }
@@ -256,20 +333,21 @@ fn product<S: Simd>(simd: S, left: &[f64], right: &[f64]) -> [[S::f64s; 2]; TILE
 /// Copies rows so that tiles of this height follow each other, each by columns, filled up with zeros.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "belongs to the vectorised work around it")]
-fn pack(
-    block: &[f64],
-    stride: usize,
-    first: usize,
-    rows: usize,
-    height: usize,
-    packed: &mut Vec<f64>,
-) {
-    packed.clear();
-    for start in (0..rows).step_by(height) {
+fn pack(taken: Taken<'_>, rows: usize, height: usize, packed: &mut Vec<f64>) {
+    let Taken { block, stride, first } = taken;
+    let depth = block.len() / stride;
+    packed.resize(rows.next_multiple_of(height) * depth, 0.0);
+    for (at, tile) in packed.chunks_exact_mut(height * depth).enumerate() {
+        let start = at * height;
         let count = height.min(rows - start);
-        for column in block.chunks_exact(stride) {
-            packed.extend_from_slice(&column[first + start..first + start + count]);
-            packed.resize(packed.len() + height - count, 0.0);
+        for (to, column) in tile.chunks_exact_mut(height).zip(block.chunks_exact(stride)) {
+            let from = &column[first + start..first + start + count];
+            if count == height {
+                to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+            } else {
+                to[..count].copy_from_slice(from);
+                to[count..].fill(0.0);
+            }
         }
     }
 }

@@ -24,7 +24,7 @@ impl Graph {
     pub(super) fn new<const D: usize>(stiffness: &StiffnessMatrix<D>) -> Self {
         let count = stiffness.len();
         let pairs = || {
-            let of = |a: usize| stiffness.row(a).iter().map(move |&(b, _)| (a, b));
+            let of = |a: usize| stiffness.row(a).0.iter().map(move |&b| (a, b));
             (0..count).flat_map(of).filter(|(a, b)| a != b)
         };
         let mut starts = vec![0; count + 1];

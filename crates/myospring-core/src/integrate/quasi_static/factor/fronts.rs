@@ -73,7 +73,8 @@ impl<const D: usize> Front<D> {
         let [rows, _] = self.size();
         panel.fill(0.0);
         for &Placement { row, number, column, below, mirrored } in &self.placements {
-            let (other, block) = stiffness.row(row)[number];
+            let (partners, blocks) = stiffness.row(row);
+            let (other, block) = (partners[number], &blocks[number]);
             for i in 0..D {
                 for j in 0..D {
                     if free[i][row] && free[j][other] {
@@ -133,8 +134,6 @@ pub(super) struct Fronts<const D: usize> {
     pub(super) list: Vec<Front<D>>,
     /// Entries of the factor.
     pub(super) entries: usize,
-    /// Largest sizes of the stacks of updates.
-    pub(super) stacks: [usize; 2],
 }
 
 impl<const D: usize> Fronts<D> {
@@ -151,7 +150,6 @@ impl<const D: usize> Fronts<D> {
         let mut fronts: Vec<Front<D>> = Vec::with_capacity(parts.len());
         let mut seen = vec![usize::MAX; order.len()];
         let mut entries = 0_usize;
-        let (mut heights, mut stacks) = ([0; 2], [0; 2]);
         for (number, part) in parts.into_iter().enumerate() {
             interruption.check()?;
             let later = order[part.own.clone()].iter().flat_map(|&node| graph.partners(node));
@@ -191,15 +189,10 @@ impl<const D: usize> Fronts<D> {
             for &half in front.halves.iter().flatten() {
                 fronts[half].runs = runs(&fronts[half].border, &front);
             }
-            heights[front.stack] += front.update_size();
-            stacks[front.stack] = stacks[front.stack].max(heights[front.stack]);
-            for &half in front.halves.iter().flatten() {
-                heights[fronts[half].stack] -= fronts[half].update_size();
-            }
             fronts.push(front);
         }
         place_blocks(stiffness, &places, &mut fronts);
-        Ok(Self { order, list: fronts, entries, stacks })
+        Ok(Self { order, list: fronts, entries })
     }
 }
 
@@ -236,7 +229,7 @@ fn place_blocks<const D: usize>(
         front_of[front.own.clone()].fill(number);
     }
     for row in 0..stiffness.len() {
-        for (number, &(other, _)) in stiffness.row(row).iter().enumerate() {
+        for (number, &other) in stiffness.row(row).0.iter().enumerate() {
             let mirrored = places[other] < places[row];
             let [first, second] = if mirrored { [other, row] } else { [row, other] };
             let front = &mut fronts[front_of[places[first]]];
