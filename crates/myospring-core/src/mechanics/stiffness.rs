@@ -4,8 +4,12 @@
 //! interacting nodes, only the upper half. A force adds its part in
 //! [`super::Force::add_stiffness`].
 
-use super::vectors::{Vectors, zeros};
+use super::vectors::{Vectors, add_scaled, zeros};
 use std::array::from_fn;
+use std::ops::Range;
+
+/// Half of a thick body with fewer nodes is not worth a second thread.
+const WORTH_A_THREAD: usize = 2000;
 
 /// The part of a stiffness between two nodes, nN/um: `block[axis of the first][axis of the
 /// second]`.
@@ -126,8 +130,23 @@ impl<const D: usize> StiffnessMatrix<D> {
 
     /// The product with one vector per node (um gives nN).
     pub fn times(&self, vectors: &Vectors<D>) -> Vectors<D> {
-        let mut product = zeros(self.len());
-        for (a, row) in self.rows.iter().enumerate() {
+        let part = |rows| {
+            let mut product = zeros(self.len());
+            self.add_product(rows, vectors, &mut product);
+            product
+        };
+        let (count, half) = (self.len(), self.len() / 2);
+        if D == 2 || half < WORTH_A_THREAD {
+            return part(0..count);
+        }
+        let (mut product, other) = rayon::join(|| part(0..half), || part(half..count));
+        add_scaled(&mut product, 1.0, &other);
+        product
+    }
+
+    /// Adds the product with the blocks of some rows.
+    fn add_product(&self, rows: Range<usize>, vectors: &Vectors<D>, product: &mut Vectors<D>) {
+        for (a, row) in rows.clone().zip(&self.rows[rows]) {
             for (&b, block) in row.partners.iter().zip(&row.blocks) {
                 for i in 0..D {
                     for j in 0..D {
@@ -139,6 +158,5 @@ impl<const D: usize> StiffnessMatrix<D> {
                 }
             }
         }
-        product
     }
 }

@@ -129,12 +129,11 @@ impl Stack {
     }
 }
 
-/// Memory for entries.
+/// Memory for entries, of which the system makes pages when they are written for the first time.
 fn zeros<T: Clone + Default>(size: usize) -> Result<Vec<T>, FactorError> {
-    let mut memory = Vec::new();
-    memory.try_reserve_exact(size).map_err(|_| FactorError::TooLarge)?;
-    memory.resize(size, T::default());
-    Ok(memory)
+    // `vec!` would end the program if there is not enough.
+    Vec::<T>::new().try_reserve_exact(size).map_err(|_| FactorError::TooLarge)?;
+    Ok(vec![T::default(); size])
 }
 
 /// Makes memory at least so long.
