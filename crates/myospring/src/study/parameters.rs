@@ -63,9 +63,11 @@ pub use traces::{TRACES, TraceAxes, merge_traces, with_whole_curves};
 pub use values::Values;
 pub use work::Common;
 
-use super::{Journal, StudyError, StudyObserver, StudyReport, Threads, run_together};
+use super::runner::{Members, Part, run_in_parts};
+use super::{Journal, StudyError, StudyObserver, StudyReport, Threads};
 use crate::cell::batch::TOGETHER;
 use std::num::NonZeroUsize;
+use std::ops::Range;
 
 /// Number of cells that are integrated together and recorded as one group.
 const CELLS_TOGETHER: usize = 64 * TOGETHER;
@@ -90,7 +92,7 @@ pub fn run(
     threads: &Threads,
     observer: &impl StudyObserver<Variation>,
 ) -> Result<StudyReport<VariationRow>, StudyError> {
-    run_members(common, &study.members(part), journal, threads, observer)
+    run_all(common, &InShard { study, part }, journal, threads, observer)
 }
 
 /// Does what [`run`] does, for any members.
@@ -104,8 +106,38 @@ pub fn run_members(
     threads: &Threads,
     observer: &impl StudyObserver<Variation>,
 ) -> Result<StudyReport<VariationRow>, StudyError> {
-    common.check_curves(members, journal)?;
-    let shares = |groups: usize| members.len().div_ceil(groups * threads.count());
+    run_all(common, members, journal, threads, observer)
+}
+
+/// The members of a part of a study.
+struct InShard<'a> {
+    study: &'a ParameterStudy,
+    part: Shard,
+}
+
+impl Members<Variation> for InShard<'_> {
+    fn count(&self) -> usize {
+        self.part.size(self.study.values.members())
+    }
+
+    fn part(&self, places: Range<usize>) -> Part<'_, Variation> {
+        let number = |place: usize| self.part.part + place * self.part.of;
+        Part::Made(places.filter_map(|place| self.study.member(number(place))).collect())
+    }
+}
+
+fn run_all(
+    common: &Common,
+    members: &(impl Members<Variation> + Sync + ?Sized),
+    journal: &Journal<Variation>,
+    threads: &Threads,
+    observer: &impl StudyObserver<Variation>,
+) -> Result<StudyReport<VariationRow>, StudyError> {
+    let count = members.count();
+    if common.axes.is_some() {
+        common.check_curves(&members.part(0..count), journal)?;
+    }
+    let shares = |groups: usize| count.div_ceil(groups * threads.count());
     let together = match common.kind() {
         MemberKind::Cell if common.tells_beats => shares(1).clamp(1, CELLS_TOGETHER),
         MemberKind::Cell => shares(1).clamp(1, SAMPLED_CELLS_TOGETHER),
@@ -113,7 +145,7 @@ pub fn run_members(
     };
     let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
     let interruption = observer.interruption();
-    let report = run_together(members, journal, threads, observer, together, |group| {
+    let report = run_in_parts(members, journal, threads, observer, together, |group| {
         let rows = common.rows(group, &interruption);
         rows.into_iter().map(|row| row.map(|row| vec![row])).collect()
     })?;

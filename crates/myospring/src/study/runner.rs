@@ -8,6 +8,7 @@ use crate::clock::Stopwatch;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
+use std::ops::{Deref, Range};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
 
@@ -64,16 +65,81 @@ pub fn run_together<M: Member>(
     if let Some(name) = twice(members) {
         return Err(StudyError::SameName { name: name.to_owned() });
     }
-    let left = journal.left(members);
-    let resumed = members.len() - left.len();
+    run_in_parts(members, journal, threads, observer, together, work)
+}
+
+/// The members of a study, of which no two have one name. Those of a large study are made in parts, so that they take little memory.
+pub(super) trait Members<M> {
+    fn count(&self) -> usize;
+
+    /// Those at some places in the order of the study.
+    fn part(&self, places: Range<usize>) -> Part<'_, M>;
+}
+
+/// Some members.
+pub(super) enum Part<'a, M> {
+    Given(&'a [M]),
+    Made(Vec<M>),
+}
+
+impl<M> Deref for Part<'_, M> {
+    type Target = [M];
+
+    fn deref(&self) -> &[M] {
+        match self {
+            Self::Given(members) => members,
+            Self::Made(members) => members,
+        }
+    }
+}
+
+impl<M> Members<M> for [M] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn part(&self, places: Range<usize>) -> Part<'_, M> {
+        Part::Given(&self[places])
+    }
+}
+
+/// Number of members that are made at a time, and smallest number of groups for each thread among them: threads wait for each other at
+/// the end of a part.
+const PART: usize = 1 << 16;
+const GROUPS_A_PART: usize = 16;
+
+/// Does what [`run_together`] does, for members that are made in parts.
+pub(super) fn run_in_parts<M: Member>(
+    members: &(impl Members<M> + Sync + ?Sized),
+    journal: &Journal<M>,
+    threads: &Threads,
+    observer: &impl StudyObserver<M>,
+    together: NonZeroUsize,
+    work: impl Fn(&[&M]) -> Vec<Result<Vec<M::Row>, Cause>> + Sync,
+) -> Result<StudyReport<M::Row>, StudyError> {
+    let count = members.count();
+    let size = PART.max(GROUPS_A_PART * threads.count() * together.get());
+    let parts =
+        || (0..count).step_by(size).map(|start| members.part(start..count.min(start + size)));
+    let (mut resumed, mut changed) = (count, 0);
+    for part in parts() {
+        resumed -= journal.left(&part).len();
+        changed += journal.changed(&part);
+    }
     if journal.damaged() > 0 {
         observer.damaged(journal.damaged());
     }
-    let changed = journal.changed(members);
     if changed > 0 {
         observer.changed(changed);
     }
-    observer.begins(resumed, members.len());
+    observer.begins(resumed, count);
+    let finished = || {
+        let mut rows = Vec::with_capacity(count);
+        for part in parts() {
+            rows.extend(journal.rows(&part)?);
+        }
+        Ok::<_, StudyError>(rows)
+    };
     let last_table = Mutex::new(Stopwatch::start());
     let group = |group: &[&M]| {
         let keys: Vec<Option<String>> = group.iter().map(|member| member.key()).collect();
@@ -92,17 +158,20 @@ pub fn run_together<M: Member>(
         let mut last = last_table.lock().unwrap_or_else(PoisonError::into_inner);
         if observer.wants_tables() && last.elapsed() > TABLE_EVERY {
             *last = Stopwatch::start();
-            observer.table(&journal.rows(members)?).map_err(StudyError::Observer)?;
+            observer.table(&finished()?).map_err(StudyError::Observer)?;
         }
         if goes_on { Ok(()) } else { Err(End::Stopped) }
     };
-    let end = threads.install(|| left.par_chunks(together.get()).try_for_each(group));
+    let end = parts().try_for_each(|part| {
+        let left = journal.left(&part);
+        threads.install(|| left.par_chunks(together.get()).try_for_each(group))
+    });
     let stopped = match end {
         Ok(()) => false,
         Err(End::Stopped) => true,
         Err(End::Failed(error)) => return Err(error),
     };
-    let rows = journal.rows(members)?;
+    let rows = finished()?;
     observer.table(&rows).map_err(StudyError::Observer)?;
     Ok(StudyReport { resumed, stopped, rows })
 }
@@ -147,4 +216,99 @@ fn guarded<M: Member>(
         }
     };
     group.iter().map(rows).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Interrupted;
+    use super::*;
+    use crate::output::table::Table;
+    use serde::{Deserialize, Serialize};
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    struct Number {
+        name: String,
+        number: usize,
+    }
+
+    impl Member for Number {
+        const KIND: &'static str = "number";
+        type Row = Square;
+
+        fn name(&self) -> &str {
+            &self.name
+        }
+
+        fn key(&self) -> Option<String> {
+            Some(String::new())
+        }
+    }
+
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    struct Square(usize);
+
+    impl Row for Square {
+        fn failed(_: &str, _: String) -> Self {
+            Self(0)
+        }
+
+        fn status(&self) -> Status {
+            Status::Ok
+        }
+
+        fn table(_: &[Self]) -> Table {
+            Table { columns: Vec::new() }
+        }
+    }
+
+    /// The first numbers, and how many were made at a time at most.
+    struct Numbers {
+        count: usize,
+        most: AtomicUsize,
+    }
+
+    impl Members<Number> for Numbers {
+        fn count(&self) -> usize {
+            self.count
+        }
+
+        fn part(&self, places: Range<usize>) -> Part<'_, Number> {
+            self.most.fetch_max(places.len(), Ordering::Relaxed);
+            Part::Made(places.map(|number| Number { name: number.to_string(), number }).collect())
+        }
+    }
+
+    #[test]
+    fn a_study_that_is_made_in_parts_has_every_row_in_order_and_goes_on_after_an_interruption() {
+        struct Begins(Mutex<Vec<[usize; 2]>>);
+        impl StudyObserver<Number> for Begins {
+            fn begins(&self, done: usize, members: usize) {
+                self.0.lock().unwrap().push([done, members]);
+            }
+        }
+        let numbers = Numbers { count: PART + 1000, most: AtomicUsize::new(0) };
+        let (journal, threads) = (Journal::in_memory(), Threads::new(Some(2)).unwrap());
+        let together = NonZeroUsize::new(500).unwrap();
+        let begins = Begins(Mutex::default());
+        // The first time it ends in the second part.
+        let run = |ends: usize| {
+            let square = |member: &&Number| {
+                let number = member.number;
+                if number >= ends {
+                    Err(Interrupted.into())
+                } else {
+                    Ok(vec![Square(number * number)])
+                }
+            };
+            let work = |group: &[&Number]| group.iter().map(square).collect();
+            run_in_parts(&numbers, &journal, &threads, &begins, together, work).unwrap()
+        };
+        assert!(run(PART + 300).stopped);
+        let report = run(usize::MAX);
+        assert!(!report.stopped && report.rows.len() == PART + 1000);
+        assert!(report.rows.iter().enumerate().all(|(at, row)| row.0 == at * at));
+        assert_eq!(*begins.0.lock().unwrap(), [[0, PART + 1000], [report.resumed, PART + 1000]]);
+        assert!((PART..=PART + 300).contains(&report.resumed), "{}", report.resumed);
+        assert_eq!(numbers.most.into_inner(), PART);
+    }
 }

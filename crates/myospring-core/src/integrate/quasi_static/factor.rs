@@ -4,8 +4,8 @@
 //! dense matrices ([`fronts`], [`dense`]). Order and pattern are determined once and reused as long
 //! as the same nodes interact. Held coordinates are included with a stiffness of 1, so that all
 //! blocks are D x D. The halves of a large set are eliminated by two threads, since neither needs the
-//! other. Every sum has a fixed order, so results are bitwise the same on every machine, whatever the
-//! number of threads.
+//! other. Every sum has a fixed order, whatever the number of threads, so results are bitwise the same: of flat bodies on
+//! every machine, of thick ones on those whose processors fuse products and sums ([`Blocks::LARGE`]).
 
 mod dense;
 mod dissection;
