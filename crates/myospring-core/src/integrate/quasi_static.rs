@@ -23,7 +23,7 @@
 //! and the one that a slow contraction reaches; if stability is lost (buckling, collapse), an error
 //! states the tension. Where a factor of the stiffness is costly (thick cells), three load steps share
 //! one: the last of them is shown to be stable by it, those before it only in the directions in which
-//! they were corrected. The same input gives the same bits.
+//! they were corrected. The same input gives the same bits, of thick cells where products and sums are fused alike.
 //!
 //! Not supported (the error names an alternative): forces without an energy, active loads from
 //! outside, damping so strong that it delays the shape. Inverted triangles are not an error here,

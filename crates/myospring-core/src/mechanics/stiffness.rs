@@ -160,3 +160,55 @@ impl<const D: usize> StiffnessMatrix<D> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Blocks between a node and some after it, all different.
+    fn some(count: usize, distances: &[usize]) -> StiffnessMatrix<3> {
+        let mut stiffness = StiffnessMatrix::new(count);
+        for a in 0..count {
+            for b in distances.iter().map(|distance| a + distance).filter(|b| *b < count) {
+                let value = |i, j| (((a + 3 * b) * 9 + 3 * i + j) as f64 * 0.618_034).fract();
+                stiffness.add(a, b, from_fn(|i| from_fn(|j| value(i.min(j), i.max(j)))));
+            }
+        }
+        stiffness
+    }
+
+    #[test]
+    fn a_sum_of_matrices_has_the_blocks_of_both_whatever_their_patterns() {
+        let vectors: Vectors<3> =
+            from_fn(|axis| (0..40).map(|i| (i * (axis + 1)) as f64).collect());
+        for distances in [&[0, 1, 5][..], &[0, 2, 7], &[3]] {
+            let (first, second) = (some(40, &[0, 1, 5]), some(40, distances));
+            let mut sum = first.clone();
+            sum.add_all(&second);
+            let mut expected = first.times(&vectors);
+            add_scaled(&mut expected, 1.0, &second.times(&vectors));
+            let got = sum.times(&vectors);
+            for (a, b) in got.iter().flatten().zip(expected.iter().flatten()) {
+                assert!((a - b).abs() < 1e-12 * b.abs().max(1.0), "{distances:?}: {a} {b}");
+            }
+            let mut pairs: Vec<_> = [&[0, 1, 5][..], distances].concat();
+            pairs.sort_unstable();
+            pairs.dedup();
+            let blocks: usize = pairs.iter().map(|distance| 40 - distance).sum();
+            assert_eq!(sum.blocks(), blocks);
+        }
+    }
+
+    #[test]
+    fn two_threads_give_the_product_of_one() {
+        let count = 2 * WORTH_A_THREAD + 101;
+        let stiffness = some(count, &[0, 1, 70]);
+        let vectors: Vectors<3> =
+            from_fn(|axis| (0..count).map(|i| ((i + axis) as f64).sin()).collect());
+        let mut alone = zeros(count);
+        stiffness.add_product(0..count, &vectors, &mut alone);
+        for (a, b) in stiffness.times(&vectors).iter().flatten().zip(alone.iter().flatten()) {
+            assert!((a - b).abs() < 1e-13, "{a} {b}");
+        }
+    }
+}

@@ -15,10 +15,10 @@ pub(crate) fn product<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
 
 /// Largest absolute value; NaN if one is NaN.
 pub(crate) fn largest<const D: usize>(vectors: &Vectors<D>) -> f64 {
-    vectors
-        .iter()
-        .flatten()
-        .fold(0.0, |size: f64, value| if value.is_nan() { f64::NAN } else { size.max(value.abs()) })
+    let larger = |size: f64, value: &f64| {
+        if size.is_nan() || value.is_nan() { f64::NAN } else { size.max(value.abs()) }
+    };
+    vectors.iter().flatten().fold(0.0, larger)
 }
 
 /// Adds a multiple of the vectors of all nodes to others.

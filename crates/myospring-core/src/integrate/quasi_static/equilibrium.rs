@@ -46,14 +46,14 @@ const INDEFINITE: usize = 3;
 /// Largest number of iterations of Newton's method.
 const ITERATIONS: usize = 25;
 
-/// How well a body that is tied to another one is solved for, as a part of the forces between them: for a correction, after
-/// which others follow, and for what is kept.
+/// How well a body is solved for: for a correction, after which others follow, and for what is kept. A part of the forces between it and
+/// another one that it is tied to; with a rounded factor a part of the displacements, in the norm of the stiffness.
 const INEXACT: f64 = 1e-5;
 const EXACT: f64 = 1e-10;
 /// The same with a stiffness near one whose factor is known, for a correction: Newton's method leaves more of it.
 const NEARLY: f64 = 1e-3;
 /// The same for a slope of a flat and of a thick body, which is kept: far below what the interpolation between two tensions may be off. Between
-/// tensions that differ by `h` a relative error `e` of slopes moves it by at most `4/27 e h |slope|`, where `h |slope|` is some
+/// tensions that differ by `h` a relative error `e` of slopes moves it by at most `e h |slope| / 4`, where `h |slope|` is some
 /// hundredths of the length.
 const SLOPE: [f64; 2] = [1e-7, 1e-6];
 
@@ -88,7 +88,7 @@ pub(super) struct Kept<const D: usize> {
 }
 
 impl<const D: usize> Kept<D> {
-    /// At the start: a stiffness with all its blocks.
+    /// At the start: a stiffness, whose blocks need not be found again.
     pub(super) fn new(system: &System<D>, body: &Body<D>, stiffness: StiffnessMatrix<D>) -> Self {
         let free = free(system, body);
         let tied = system.compliance().is_some();
@@ -123,14 +123,6 @@ pub(super) struct Solver<'a, const D: usize = 2> {
 }
 
 impl<'a, const D: usize> Solver<'a, D> {
-    pub(super) fn new(
-        system: &'a System<D>,
-        body: &'a Body<D>,
-        interruption: &Interruption,
-    ) -> Self {
-        Self::continued(system, body, None, interruption)
-    }
-
     /// A solver that goes on with what another one kept of the same body.
     pub(super) fn continued(
         system: &'a System<D>,
@@ -300,7 +292,7 @@ impl<'a, const D: usize> Solver<'a, D> {
     fn by_factor(&mut self, forces: &Vectors<D>, tolerance: f64) -> Vectors<D> {
         match self.system.compliance() {
             Some(other) => tied::solve(&self.factor, other, forces, tolerance),
-            None if self.factor.is_costly() => {
+            None if self.factor.is_rounded() => {
                 nearby::solve_by_rounded(&self.factor, &self.stiffness, forces, tolerance)
             }
             None => self.factor.solve(forces),
@@ -588,7 +580,7 @@ mod tests {
                 [1.0, 0.0],
                 20.0,
             );
-            let rest = Solver::new(&system, &body, &Interruption::default())
+            let rest = Solver::continued(&system, &body, None, &Interruption::default())
                 .find(
                     &Knot {
                         tension: 50.0,

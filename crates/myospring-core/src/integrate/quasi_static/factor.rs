@@ -5,7 +5,7 @@
 //! as the same nodes interact. Held coordinates are included with a stiffness of 1, so that all
 //! blocks are D x D. The halves of a large set are eliminated by two threads, since neither needs the
 //! other. Every sum has a fixed order, whatever the number of threads, so results are bitwise the same: of flat bodies on
-//! every machine, of thick ones on those whose processors fuse products and sums ([`Blocks::LARGE`]).
+//! every machine, of thick ones where products and sums are fused: with vector units of x86-64 and ARM, not in the page ([`Blocks::LARGE`]).
 
 mod dense;
 mod dissection;
@@ -36,6 +36,8 @@ pub(super) struct Factor<const D: usize = 2> {
     made: bool,
     /// Products for each entry from which on it is costly.
     costly: f64,
+    /// Whether one that is costly is rounded.
+    rounds: bool,
     rooms: Rooms,
 }
 
@@ -82,7 +84,7 @@ impl Entry for f32 {
 /// Halves with less work than this, in products, are not worth a second thread.
 const WORTH_A_THREAD: f64 = 1e7;
 
-/// A half with less than this part of a factor is not used by a second thread, which has its own copy of all coordinates.
+/// A half with less than this part of a factor is not left to a second thread, which has its own copy of all coordinates.
 const PARTS: usize = 32;
 
 /// A factor is costly from this many products for each of its entries on, of a flat and of a thick body. One more then takes longer than
@@ -192,15 +194,18 @@ impl<const D: usize> Elimination<'_, D> {
         let (left, right) = below.split_at_mut(middle - first);
         let mut beside = match (one, other) {
             (Some(one), Some(other)) if one.work.min(other.work) > WORTH_A_THREAD => {
-                let (a, b) = rayon::join(
+                let (a, (b, beside)) = rayon::join(
                     || self.subtree(one, (first, left), room),
                     || {
                         let mut beside = self.rooms.take();
-                        self.subtree(other, (middle, right), &mut beside).map(|()| beside)
+                        (self.subtree(other, (middle, right), &mut beside), beside)
                     },
                 );
-                a?;
-                Some(b?)
+                if let Err(error) = a.and(b) {
+                    self.rooms.put_back(beside);
+                    return Err(error);
+                }
+                Some(beside)
             }
             _ => {
                 one.map_or(Ok(()), |one| self.subtree(one, (first, left), room))?;
@@ -261,13 +266,14 @@ impl<const D: usize> Factor<D> {
             entries: Entries::Whole(Vec::new()),
             made: false,
             costly: COSTLY[usize::from(D > 2)],
+            rounds: true,
             rooms: Rooms::default(),
         }
     }
 
-    /// Keeps all digits, whatever it costs.
+    /// A factor that keeps all digits, whatever it costs.
     pub(super) fn whole(free: [Vec<bool>; D]) -> Self {
-        Self { costly: f64::INFINITY, ..Self::new(free) }
+        Self { rounds: false, ..Self::new(free) }
     }
 
     /// Takes factors to be costly or not, whatever they cost.
@@ -296,18 +302,20 @@ impl<const D: usize> Factor<D> {
         interruption: &Interruption,
     ) -> Result<(), FactorError> {
         if self.fronts.is_none() || self.blocks != stiffness.blocks() {
+            // Nothing stands until all is known and has its memory.
             self.fronts = None;
+            self.entries = Entries::Whole(Vec::new());
             let graph = Graph::new(stiffness);
             let dissection = dissect(&graph, positions, interruption);
             let fronts = Fronts::new(stiffness, &graph, dissection, interruption)?;
-            let size = fronts.entries;
-            self.fronts = Some(fronts);
-            self.blocks = stiffness.blocks();
-            self.entries = if self.is_costly() {
-                Entries::Rounded(zeros(size)?)
+            let rounded = self.rounds && fronts.work() > self.costly * fronts.entries as f64;
+            self.entries = if rounded {
+                Entries::Rounded(zeros(fronts.entries)?)
             } else {
-                Entries::Whole(zeros(size)?)
+                Entries::Whole(zeros(fronts.entries)?)
             };
+            self.blocks = stiffness.blocks();
+            self.fronts = Some(fronts);
         }
         Ok(())
     }
@@ -334,8 +342,13 @@ impl<const D: usize> Factor<D> {
 
     /// Whether a new factor costs much more than some uses of the last one.
     pub(super) fn is_costly(&self) -> bool {
-        let root = self.fronts.as_ref().and_then(|fronts| fronts.list.last());
-        root.is_some_and(|root| root.work > self.costly * root.entries.end as f64)
+        let costly = |fronts: &Fronts<D>| fronts.work() > self.costly * fronts.entries as f64;
+        self.fronts.as_ref().is_some_and(costly)
+    }
+
+    /// Whether solutions have some digits only, because the entries are rounded.
+    pub(super) fn is_rounded(&self) -> bool {
+        matches!(self.entries, Entries::Rounded(_))
     }
 
     /// Sets held coordinates to 0.
@@ -348,7 +361,8 @@ impl<const D: usize> Factor<D> {
         }
     }
 
-    /// Displacements (um) under forces (nN) on the free coordinates; held ones do not move. A costly factor has some six digits.
+    /// Displacements (um) under forces (nN) on the free coordinates; held ones do not move. With rounded
+    /// entries they are right to some 6e-8 times the root of the stiffness's condition.
     ///
     /// Uses the last factorised stiffness.
     pub(super) fn solve(&self, forces: &Vectors<D>) -> Vectors<D> {

@@ -1,6 +1,6 @@
 //! Single equilibria under tensions that are not uniform.
 
-use super::equilibrium::Solver;
+use super::equilibrium::{Kept, Solver};
 use super::{PathError, Tolerance, check_forces, ending, extent};
 use crate::interruption::Interruption;
 use crate::mechanics::{Body, System, Tension, Vectors};
@@ -61,8 +61,8 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
         tolerance: Tolerance,
         interruption: &Interruption,
     ) -> Result<Self, PathError> {
-        check_forces(system, body, interruption)?;
-        let solver = Solver::new(system, body, interruption);
+        let kept = Kept::new(system, body, check_forces(system, body, interruption)?);
+        let solver = Solver::continued(system, body, Some(kept), interruption);
         let tolerance = tolerance.equilibrium * extent(body);
         Ok(Self { solver, tolerance, newton_iterations: 0 })
     }

@@ -7,10 +7,25 @@ use super::factor::Factor;
 use crate::mechanics::stiffness::StiffnessMatrix;
 use crate::mechanics::{Vectors, add_scaled, largest, product, zeros};
 
+/// Most rounds with a rounded factor of the stiffness itself.
+const MOST_ROUNDS: i32 = 60;
+
 /// Rounds after which another factor is better, and by what part at least the rest falls in each, but for the first ones.
 const ROUNDS: i32 = 15;
 const FALL: f64 = 1.0 / 3.0;
 const NEAR: f64 = 30.0;
+
+/// How long displacements are improved.
+#[derive(Clone, Copy)]
+struct Patience {
+    rounds: i32,
+    near: f64,
+}
+
+impl Patience {
+    const NEARBY: Self = Self { rounds: ROUNDS, near: NEAR };
+    const OWN: Self = Self { rounds: MOST_ROUNDS, near: f64::INFINITY };
+}
 
 /// Displacements, um, and how well they agree with the forces.
 pub(super) enum Nearby<const D: usize> {
@@ -41,7 +56,7 @@ pub(super) fn solve<const D: usize>(
 ) -> Nearby<D> {
     let enough = |first: f64| tolerance * tolerance * first;
     let start = (zeros(forces[0].len()), forces.clone());
-    improve(factor, stiffness, start, enough, small, NEAR)
+    improve(factor, stiffness, start, enough, small, Patience::NEARBY)
 }
 
 /// Displacements (um) under forces (nN) by the factor of this stiffness, which is rounded, up to `tolerance`, a part of them.
@@ -53,7 +68,7 @@ pub(super) fn solve_by_rounded<const D: usize>(
 ) -> Vectors<D> {
     let enough = |first: f64| tolerance * tolerance * first;
     let start = (zeros(forces[0].len()), forces.clone());
-    match improve(factor, stiffness, start, enough, 0.0, f64::INFINITY) {
+    match improve(factor, stiffness, start, enough, 0.0, Patience::OWN) {
         Nearby::Solved(moved) | Nearby::Slow(moved) => moved,
         // A stiffness with a factor is positive definite, but for rounding.
         Nearby::Indefinite(_) => factor.solve(forces),
@@ -72,7 +87,7 @@ pub(super) fn solve_from<const D: usize>(
     add_scaled(&mut left, -1.0, &stiffness.times(guess));
     let whole = product(forces, guess).abs();
     let enough = |_| tolerance * tolerance * whole;
-    improve(factor, stiffness, (guess.clone(), left), enough, 0.0, NEAR)
+    improve(factor, stiffness, (guess.clone(), left), enough, 0.0, Patience::NEARBY)
 }
 
 /// Adds to displacements what the forces that are left move, until twice the energy of that is as small as `enough` says, given what it was.
@@ -82,7 +97,7 @@ fn improve<const D: usize>(
     (mut moved, mut left): (Vectors<D>, Vectors<D>),
     enough: impl Fn(f64) -> f64,
     small: f64,
-    near: f64,
+    patience: Patience,
 ) -> Nearby<D> {
     factor.hold(&mut left);
     let mut next = factor.solve(&left);
@@ -90,15 +105,15 @@ fn improve<const D: usize>(
     let first = product(&left, &next);
     let mut size = first;
     let enough = enough(first);
-    for round in 0..ROUNDS {
+    for round in 0..patience.rounds {
         // Both are squares in the norm of the factor.
         if !size.is_finite() {
-            break;
+            return Nearby::Slow(next);
         }
         if size <= enough {
             return Nearby::Solved(moved);
         }
-        let near = near * FALL.powi(round);
+        let near = patience.near * FALL.powi(round);
         if size > near * near * first {
             break;
         }

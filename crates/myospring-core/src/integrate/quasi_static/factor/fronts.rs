@@ -137,6 +137,11 @@ pub(super) struct Fronts<const D: usize> {
 }
 
 impl<const D: usize> Fronts<D> {
+    /// Products that the elimination of all takes.
+    pub(super) fn work(&self) -> f64 {
+        self.list.last().map_or(0.0, |root| root.work)
+    }
+
     pub(super) fn new(
         stiffness: &StiffnessMatrix<D>,
         graph: &Graph,

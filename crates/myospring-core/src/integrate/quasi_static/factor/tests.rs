@@ -1,9 +1,10 @@
+use super::super::nearby;
 use super::*;
 use crate::interruption::Interruption;
 use crate::mechanics::active::ActiveLaw;
 use crate::mechanics::material::{assemble, default_material};
 use crate::mechanics::support::SupportKind;
-use crate::mechanics::{Configuration, zeros};
+use crate::mechanics::{Configuration, largest, zeros};
 use crate::mesh::{built_in, lattice};
 use proptest::prelude::*;
 
@@ -343,6 +344,122 @@ fn large_blocks_give_the_columns_of_small_ones_but_for_rounding() {
             assert!((a - b).abs() < 1e-11, "{size:?}: {a} {b}");
         }
     }
+}
+
+#[test]
+fn vector_units_that_fuse_give_the_same_bits_of_large_blocks() {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = pulp::x86::V3::try_new() {
+        use pulp::Simd;
+        let size = [300, 190];
+        let widest = eliminated(size, Blocks::LARGE, &|work| work.run());
+        assert!(widest == eliminated(size, Blocks::LARGE, &|work| Simd::vectorize(avx2, work)));
+    }
+}
+
+#[test]
+fn a_large_rest_has_its_lower_triangle_updated_and_nothing_else() {
+    let (rows, columns) = (1250, 20);
+    let rest = rows - columns;
+    let value = |i: usize, j: usize| ((i * 13 + j * 7) as f64 * 0.618_034).fract() - 0.5;
+    // A diagonal block of 1, so that the columns below it stay as they are.
+    let mut panel = vec![0.0; rows * columns];
+    for j in 0..columns {
+        panel[j * rows + j] = 1.0;
+        for i in columns..rows {
+            panel[j * rows + i] = value(i, j);
+        }
+    }
+    for blocks in [Blocks::SMALL, Blocks::LARGE] {
+        let (mut panel, mut left) = (panel.clone(), vec![3.0; rest * rest]);
+        let eliminate = Eliminate {
+            panel: &mut panel,
+            rows,
+            columns,
+            rest: &mut left,
+            blocks,
+            packed: &mut Default::default(),
+            interruption: &Interruption::default(),
+        };
+        assert_eq!(eliminate.run(), Ok(()));
+        for j in 0..rest {
+            for i in 0..rest {
+                let taken: f64 = (0..columns)
+                    .map(|k| value(columns + i, k) * value(columns + j, k))
+                    .filter(|_| i >= j)
+                    .sum();
+                let off = (left[j * rest + i] - (3.0 - taken)).abs();
+                assert!(off < 1e-13, "{i} {j}: {off:e}");
+            }
+        }
+    }
+}
+
+/// A block of nodes in space, springs to the neighbours along the axes and across, on a soft bed.
+fn block(size: [usize; 3]) -> (Vectors<3>, StiffnessMatrix<3>) {
+    let number = |[x, y, z]: [usize; 3]| (z * size[1] + y) * size[0] + x;
+    let mut positions = zeros(0);
+    let mut stiffness = StiffnessMatrix::new(size.iter().product());
+    for at in (0..size[2])
+        .flat_map(|z| (0..size[1]).flat_map(move |y| (0..size[0]).map(move |x| [x, y, z])))
+    {
+        for axis in 0..3 {
+            positions[axis].push(at[axis] as f64);
+        }
+        let bed = [0.01, 0.02, 0.03];
+        let mut own = [[0.0; 3]; 3];
+        (0..3).for_each(|axis| own[axis][axis] = bed[axis]);
+        stiffness.add(number(at), number(at), own);
+        for step in [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, 0, 1], [0, 1, 1], [1, 1, 1]] {
+            let to = [0, 1, 2].map(|axis| at[axis] + step[axis]);
+            if (0..3).all(|axis| to[axis] < size[axis]) {
+                let pull = step.map(|a| step.map(|b| 0.1 + (a * b) as f64));
+                let mut pull: [[f64; 3]; 3] = pull;
+                (0..3).for_each(|axis| pull[axis][axis] += 0.3);
+                stiffness.add_pair(number(at), number(to), pull);
+            }
+        }
+    }
+    (positions, stiffness)
+}
+
+#[test]
+fn a_rounded_factor_of_a_thick_body_leads_to_the_displacements_of_a_whole_one() {
+    let (positions, stiffness) = block([14, 11, 9]);
+    let count = stiffness.len();
+    let mut free = [0, 1, 2].map(|_| vec![true; count]);
+    (free[0][0], free[2][7]) = (false, false);
+    let forces: Vectors<3> = [0, 1, 2].map(|axis| {
+        (0..count).map(|i| ((3 * i + axis) as f64 * 0.618_034).fract() - 0.5).collect()
+    });
+    let interruption = Interruption::default();
+    let mut whole = Factor::whole(free.clone());
+    let mut rounded = Factor::new(free);
+    for factor in [&mut whole, &mut rounded] {
+        factor.is_to_be_costly(true);
+        factor.factorise(&positions, &stiffness, &interruption).unwrap();
+    }
+    assert!(!whole.is_rounded() && rounded.is_rounded());
+    let expected = whole.solve(&forces);
+    let farthest = |found: &Vectors<3>| {
+        let pairs = expected.iter().flatten().zip(found.iter().flatten());
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let size = largest(&expected);
+    let rough = farthest(&rounded.solve(&forces));
+    assert!(rough > 1e-9 * size && rough < 1e-4 * size, "{rough:e} of {size:e}");
+    let exact = nearby::solve_by_rounded(&rounded, &stiffness, &forces, 1e-10);
+    assert!(farthest(&exact) < 1e-9 * size, "{:e} of {size:e}", farthest(&exact));
+
+    // After one that cannot be made, and made again by one thread, it has the same bits.
+    let first = rounded.solve(&forces);
+    let mut soft = stiffness.clone();
+    soft.add(400, 400, [[-50.0, 0.0, 0.0], [0.0; 3], [0.0; 3]]);
+    let failed = rounded.factorise(&positions, &soft, &interruption);
+    assert_eq!(failed, Err(FactorError::Indefinite));
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    alone.install(|| rounded.factorise(&positions, &stiffness, &interruption)).unwrap();
+    assert!(rounded.solve(&forces) == first);
 }
 
 /// Displacements by a plain dense Cholesky factor of the free coordinates; `None` if it is not definite.
