@@ -7,7 +7,7 @@ pub(crate) use measured::{AnalyseArgs, FitArgs, StimulusArgs, TableArgs};
 pub(crate) use output::{OUTPUT, OutputArgs};
 
 use crate::look::Look;
-use crate::options::{Beat, Seen, Settings};
+use crate::options::{Beat, Meshed, Seen, Settings};
 use crate::outputs;
 use clap::builder::styling::AnsiColor;
 use clap::builder::{PossibleValue, PossibleValuesParser, Styles};
@@ -218,7 +218,7 @@ pub(crate) struct MeshArgs {
     #[arg(value_name = "PICTURE|OUTLINE|RUN.toml")]
     pub(crate) input: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) settings: Settings<Seen>,
+    pub(crate) settings: Settings<Meshed>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
 }

@@ -24,6 +24,16 @@ impl Scope for Seen {
     }
 }
 
+/// Those, and how thick the cell is.
+#[derive(Debug)]
+pub(crate) struct Meshed;
+
+impl Scope for Meshed {
+    fn has(table: &Table, setting: &Setting) -> bool {
+        Seen::has(table, setting) || setting.key == "material.thickness"
+    }
+}
+
 /// Whether a table describes the cell's shape.
 fn is_of_shape(table: &Table) -> bool {
     ["shape", "segmentation"].contains(&table.name)

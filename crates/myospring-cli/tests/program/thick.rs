@@ -50,6 +50,26 @@ fn a_stack_beats_in_one_command_and_its_results_repeat_it() {
 }
 
 #[test]
+fn the_mesh_of_a_thick_cell_is_as_thick_as_stated_and_that_of_a_beat() {
+    let folder = tempfile::tempdir().unwrap();
+    let round = ["--profile", "dome", "--thickness", "8 um", "--spacing", "3 um"];
+    let done = |command: &[&str]| {
+        let done = myospring(folder.path(), &[command, &round[..]].concat());
+        assert!(done.status.success(), "{}", stderr(&done));
+        stdout(&done)
+    };
+    let numbers: serde_json::Value =
+        serde_json::from_str(&done(&["mesh", "--json", "--output", "mesh"])).unwrap();
+    // Whole cubes: to half of one.
+    let thickness = numbers["thick"]["thickness_um"].as_f64().unwrap();
+    assert!((thickness - 8.0).abs() <= 1.5, "{numbers}");
+    done(&["run", "--output", "beat", "--outputs", "none"]);
+    let summary = fs::read_to_string(folder.path().join("beat/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["mesh"]["thick"], numbers["thick"]);
+}
+
+#[test]
 #[ignore = "slow"]
 fn a_thick_cell_serves_studies_and_fits_and_says_what_it_cannot() {
     let folder = tempfile::tempdir().unwrap();
