@@ -3,8 +3,8 @@
 usage: killed_campaign.py MYOSPRING [--cells N] [--pictures N] [--kills N] [--seed N]
 
 MYOSPRING is the program. Each of both works is done once undisturbed, then once more and killed (SIGKILL) at random moments, after which the
-same command goes on. The tables of both must be equal, row by row. Prints one JSON line for each work: seconds, peaks of the memory
-of one process (MB) after each tenth of the undisturbed work, kills, and the rows.
+same command goes on. The tables of both must be equal, row by row. Prints one JSON line for each work: its rows, seconds, kills, and the
+largest memory of the undisturbed process up to each tenth of its time, MB (on Linux).
 """
 
 import argparse
@@ -96,7 +96,8 @@ def undisturbed(command):
     # 1: some pictures have no cell, and a row that says so.
     if process.returncode not in (0, 1):
         raise SystemExit(f"{command}: exit code {process.returncode}\n{error}")
-    tenths = [peaks[min(len(peaks) - 1, len(peaks) * tenth // 10)] for tenth in range(1, 11)]
+    last = len(peaks) - 1
+    tenths = [peaks[min(last, len(peaks) * tenth // 10)] for tenth in range(1, 11) if peaks]
     return time.monotonic() - start, [round(peak) for peak in tenths]
 
 
@@ -112,7 +113,9 @@ def killed(command, kills, takes_s, found):
             process.send_signal(signal.SIGKILL)
             process.wait()
             times += 1
-    subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    last = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    if last.returncode not in (0, 1):
+        raise SystemExit(f"{command}: exit code {last.returncode}\n{last.stderr}")
     return times, time.monotonic() - start
 
 
