@@ -16,6 +16,8 @@ use std::path::Path;
 pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     input::one_cell(args.settings.all_cells())?;
     let (name, run) = input::settle(args.input.as_deref(), &args.settings.overrides())?;
+    let has_no_thickness =
+        args.settings.get("material.thickness").is_some() && !run.shape.is_thick();
     let output = &args.output;
     let results = || Path::new("results").join(format!("{name}_mesh"));
     let target = output.output.clone().unwrap_or_else(results);
@@ -39,6 +41,12 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<ExitCode, Failure> {
     if !output.quiet {
         for warning in meshed.warnings() {
             print::warn(&warning);
+        }
+        if has_no_thickness {
+            print::warn(
+                "the mesh of a flat cell is the same with any --thickness; for a thick cell state \
+                 --profile round, dome or slab",
+            );
         }
     }
     Ok(ExitCode::SUCCESS)

@@ -67,6 +67,9 @@ fn the_mesh_of_a_thick_cell_is_as_thick_as_stated_and_that_of_a_beat() {
     let summary = fs::read_to_string(folder.path().join("beat/summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["mesh"]["thick"], numbers["thick"]);
+    let flat = ["mesh", "--thickness", "8 um", "--spacing", "3 um", "--output", "flat"];
+    let flat = myospring(folder.path(), &flat);
+    assert!(flat.status.success() && stderr(&flat).contains("--profile"), "{}", stderr(&flat));
 }
 
 #[test]
