@@ -82,13 +82,13 @@ pub enum EngineError {
 
 /// A motion for which an engine is chosen.
 #[derive(Clone, Copy)]
-pub struct Task<'a> {
+pub struct Task<'a, const D: usize = 2> {
     /// All forces on the body.
-    pub system: &'a System,
+    pub system: &'a System<D>,
     /// The body at its start.
-    pub body: &'a Body,
+    pub body: &'a Body<D>,
     /// Its lattice, if it has one.
-    pub lattice: Option<&'a Lattice>,
+    pub lattice: Option<&'a Lattice<D>>,
     /// Form of Verlet's method.
     pub form: Integrator,
     /// Time step, ms.
@@ -103,10 +103,10 @@ impl Engine {
     /// # Errors
     /// The fused kernel was requested but does not support the motion, or the processor lacks its
     /// vector units.
-    pub fn stepper<'a>(
+    pub fn stepper<'a, const D: usize>(
         &self,
-        task: &Task<'a>,
-    ) -> Result<(Box<dyn Stepper + 'a>, EngineUsed), EngineError> {
+        task: &Task<'a, D>,
+    ) -> Result<(Box<dyn Stepper<D> + 'a>, EngineUsed), EngineError> {
         let units = self.units.unwrap_or_else(Units::best);
         if !units.available() {
             let available = Units::ALL.into_iter().filter(|units| units.available());
@@ -116,7 +116,7 @@ impl Engine {
         let plain = |instead_of_fused| {
             let Task { system, body, form, time_step, .. } = *task;
             let motion = Motion::new(system, body.clone(), form, time_step);
-            (Box::new(motion) as Box<dyn Stepper + 'a>, EngineUsed::Plain { instead_of_fused })
+            (Box::new(motion) as Box<dyn Stepper<D> + 'a>, EngineUsed::Plain { instead_of_fused })
         };
         if self.loops == Loops::Plain {
             return Ok(plain(None));
@@ -132,9 +132,13 @@ impl Engine {
     }
 }
 
-fn fused<'a>(task: &Task<'a>, threads: usize, units: Units) -> Result<FusedMotion<'a>, String> {
+fn fused<'a, const D: usize>(
+    task: &Task<'a, D>,
+    threads: usize,
+    units: Units,
+) -> Result<FusedMotion<'a, D>, String> {
     let Task { system, body, lattice, form, time_step, uniform_tension } = *task;
-    let lattice = lattice.ok_or("a mesh that is not a square lattice")?;
+    let lattice = lattice.ok_or("a mesh that is not a lattice of squares or cubes")?;
     if form != Integrator::StoermerVerlet {
         return Err(format!("{} (it only makes Stoermer-Verlet steps)", form.name()));
     }

@@ -8,14 +8,14 @@ use crate::mesh::Lattice;
 
 /// A moving body on a lattice with a uniform tension: equal to [`Motion`] except for rounding, and
 /// several times faster.
-pub struct FusedMotion<'a> {
+pub struct FusedMotion<'a, const D: usize = 2> {
     /// Makes the first step, which starts from velocities at the full step, and owns the body.
-    plain: Motion<'a>,
-    kernel: Stencil,
+    plain: Motion<'a, D>,
+    kernel: Stencil<D>,
     under_way: bool,
 }
 
-impl<'a> FusedMotion<'a> {
+impl<'a, const D: usize> FusedMotion<'a, D> {
     /// A body to be moved with a fixed time step in ms, on at most `threads` threads.
     ///
     /// # Errors
@@ -24,9 +24,9 @@ impl<'a> FusedMotion<'a> {
     /// # Panics
     /// If the processor lacks the vector units, see [`Units::available`].
     pub fn new(
-        system: &'a System,
-        body: Body,
-        lattice: &Lattice,
+        system: &'a System<D>,
+        body: Body<D>,
+        lattice: &Lattice<D>,
         time_step: f64,
         threads: usize,
         units: Units,
@@ -50,7 +50,7 @@ impl<'a> FusedMotion<'a> {
     }
 
     /// Velocities at the last half step, um/ms: those used by the dashpots.
-    pub fn half_velocities(&self) -> &Vectors {
+    pub fn half_velocities(&self) -> &Vectors<D> {
         self.plain.half_velocities()
     }
 
@@ -74,7 +74,7 @@ impl<'a> FusedMotion<'a> {
     }
 }
 
-impl Stepper for FusedMotion<'_> {
+impl<const D: usize> Stepper<D> for FusedMotion<'_, D> {
     /// # Panics
     /// If the tension is not uniform.
     fn advance(&mut self, steps: usize, tensions: [Tension<'_>; 2]) -> Result<(), StepError> {
@@ -89,7 +89,7 @@ impl Stepper for FusedMotion<'_> {
         Ok(())
     }
 
-    fn body(&self) -> &Body {
+    fn body(&self) -> &Body<D> {
         &self.plain.body
     }
 

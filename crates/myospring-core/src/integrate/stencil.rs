@@ -23,14 +23,17 @@
 #![allow(unsafe_code, reason = "vector intrinsics and an in-place sweep shared by threads")]
 
 mod bands;
+mod cubes;
 mod lanes;
 mod plan;
+mod squares;
 mod sweep;
 mod team;
+mod terms;
 mod tiles;
 
 pub use lanes::Units;
-use plan::{LatticeTerms, Plan};
+use plan::Plan;
 
 use super::stepper::StepError;
 use crate::mechanics::support::Support;
@@ -39,6 +42,7 @@ use crate::mesh::Lattice;
 // Taken from here by `bands`, in whose place `loom` puts its own.
 use std::sync::atomic;
 use team::Team;
+use terms::LatticeTerms;
 use tiles::Command;
 
 /// Number of masses from which on a further thread is worthwhile; see docs/reference/performance.md.
@@ -57,12 +61,12 @@ pub fn worthwhile_threads(masses: usize) -> usize {
 pub struct Unsupported(pub String);
 
 /// All coefficients of a system of forces, if the kernel supports each force.
-fn plan(
-    system: &System,
-    body: &Body,
-    lattice: &Lattice,
+fn plan<const D: usize>(
+    system: &System<D>,
+    body: &Body<D>,
+    lattice: &Lattice<D>,
     time_step: f64,
-) -> Result<Plan, Unsupported> {
+) -> Result<Plan<D>, Unsupported> {
     let mut terms = LatticeTerms::new(lattice);
     for force in system.forces() {
         let law = force.on_lattice();
@@ -80,11 +84,11 @@ fn plan(
 }
 
 /// A lattice of masses in motion.
-pub struct Stencil {
-    team: Team,
+pub struct Stencil<const D: usize = 2> {
+    team: Team<D>,
 }
 
-impl Stencil {
+impl<const D: usize> Stencil<D> {
     /// The kernel for a body under a system of forces on a lattice, moved with a fixed time step in
     /// ms by at most `threads` threads.
     ///
@@ -96,9 +100,9 @@ impl Stencil {
     /// # Panics
     /// If the processor lacks the vector units, see [`Units::available`].
     pub fn new(
-        system: &System,
-        body: &Body,
-        lattice: &Lattice,
+        system: &System<D>,
+        body: &Body<D>,
+        lattice: &Lattice<D>,
         time_step: f64,
         threads: usize,
         units: Units,
@@ -115,7 +119,7 @@ impl Stencil {
     }
 
     /// Sets the state: positions (um) and velocities at the last half step (um/ms).
-    pub fn put(&mut self, positions: &Vectors, half_velocities: &Vectors) {
+    pub fn put(&mut self, positions: &Vectors<D>, half_velocities: &Vectors<D>) {
         let (plan, state, _) = self.team.parts();
         let rows = positions.iter().chain(half_velocities).enumerate();
         for (component, values) in rows {
@@ -141,7 +145,7 @@ impl Stencil {
     pub fn read_velocities(
         &mut self,
         tension: f64,
-        velocities: &mut Vectors,
+        velocities: &mut Vectors<D>,
     ) -> Result<(), StepError> {
         self.team.obey(Command::Look { tension })?;
         let (plan, _, seen) = self.team.parts();
@@ -156,7 +160,7 @@ impl Stencil {
     }
 
     /// Writes the positions (um) and the velocities at the last half step, um/ms.
-    pub fn read_half_step(&mut self, positions: &mut Vectors, half_velocities: &mut Vectors) {
+    pub fn read_half_step(&mut self, positions: &mut Vectors<D>, half_velocities: &mut Vectors<D>) {
         let (plan, state, _) = self.team.parts();
         let rows = positions.iter_mut().chain(half_velocities).enumerate();
         for (component, values) in rows {

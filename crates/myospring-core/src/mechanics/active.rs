@@ -31,7 +31,6 @@ use super::tension::Tension;
 use super::vectors::{Vectors, dot};
 use crate::mesh::{Mesh, simplex};
 use serde::Serialize;
-use std::any::Any;
 use std::array::from_fn;
 use std::collections::HashMap;
 
@@ -381,10 +380,8 @@ impl<const D: usize, const N: usize> Force<D> for FibreTension<D, N> {
         true
     }
 
-    fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
-        // Only for a flat mesh.
-        let flat = (self as &dyn Any).is::<FibreTension>();
-        flat.then_some(LatticeLaw::Tension { nodes: &self.edges, weights: &self.weights })
+    fn on_lattice(&self) -> Option<LatticeLaw<'_, D>> {
+        Some(LatticeLaw::Tension { nodes: &self.edges, weights: &self.weights })
     }
 
     fn is_internal(&self) -> bool {

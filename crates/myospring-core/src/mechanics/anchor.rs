@@ -33,7 +33,6 @@ use super::stiffness::StiffnessMatrix;
 use super::vectors::Vectors;
 use crate::mesh::Mesh;
 use crate::mesh::ends::end_nodes;
-use std::any::Any;
 
 /// Nodes tied to their resting positions.
 #[derive(Debug, Clone, PartialEq)]
@@ -135,9 +134,8 @@ impl<const D: usize> Force<D> for Anchors<D> {
         true
     }
 
-    fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
-        let springs: &dyn Any = &self.springs;
-        springs.downcast_ref::<Vec<Anchor>>().map(|springs| LatticeLaw::Anchors(springs))
+    fn on_lattice(&self) -> Option<LatticeLaw<'_, D>> {
+        Some(LatticeLaw::Anchors(&self.springs))
     }
 
     fn is_internal(&self) -> bool {

@@ -56,7 +56,7 @@ pub trait Force<const D: usize = 2>: Send + Sync {
     /// The law as data for a kernel that sweeps a lattice (`integrate::stencil`).
     ///
     /// Optional: with `None`, plain loops are used.
-    fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
+    fn on_lattice(&self) -> Option<LatticeLaw<'_, D>> {
         None
     }
 

@@ -1,4 +1,4 @@
-//! Laws as data: coefficients of a law on a flat lattice, for the fused kernel.
+//! Laws as data: coefficients of a law on a lattice, for the fused kernel.
 //!
 //! A law only provides its coefficients; the kernel determines whether they fit a lattice, and
 //! their positions.
@@ -14,9 +14,9 @@ pub struct Anchor<const D: usize = 2> {
     pub stiffness: f64,
 }
 
-/// The coefficients of a law on a flat mesh.
+/// The coefficients of a law on a mesh with `D` axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LatticeLaw<'a> {
+pub enum LatticeLaw<'a, const D: usize = 2> {
     /// Springs with axial dashpots; all lists run over the springs.
     Springs {
         /// The ends of each.
@@ -37,6 +37,17 @@ pub enum LatticeLaw<'a> {
         /// A0, um^2.
         rest_area: &'a [f64],
     },
+    /// The energy `(kappa/2)(V - V0)^2/V0` of groups of equally many consecutive simplices, `V = sum w_i V_i`.
+    Volumes {
+        /// The corners of all simplices, one after the other.
+        corners: &'a [u32],
+        /// `w_i` of each simplex.
+        weights: &'a [f64],
+        /// kappa, kPa.
+        stiffness: f64,
+        /// V0 of each group, um^3.
+        rest: &'a [f64],
+    },
     /// Springs without rest length whose stiffness (nN/um) is the uniform tension (kPa) times a
     /// weight; both lists run over the springs.
     Tension {
@@ -46,5 +57,5 @@ pub enum LatticeLaw<'a> {
         weights: &'a [f64],
     },
     /// Springs without rest length from nodes to their resting positions.
-    Anchors(&'a [Anchor]),
+    Anchors(&'a [Anchor<D>]),
 }

@@ -188,7 +188,7 @@ impl<const D: usize> Force<D> for Springs {
         true
     }
 
-    fn on_lattice(&self) -> Option<LatticeLaw<'_>> {
+    fn on_lattice(&self) -> Option<LatticeLaw<'_, D>> {
         let Self { nodes, stiffness, rest_length, damping, .. } = self;
         Some(LatticeLaw::Springs { nodes, stiffness, rest_length, damping })
     }

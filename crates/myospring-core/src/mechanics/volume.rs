@@ -12,6 +12,7 @@
 //! of a cube per group ([`crate::mesh::cubes`]), each cube keeps its volume as a whole and can bend.
 
 use super::force::{Configuration, Force};
+use super::lattice_law::LatticeLaw;
 use super::runs::vectorised;
 use super::stiffness::{Block, StiffnessMatrix};
 use super::vectors::Vectors;
@@ -27,6 +28,8 @@ pub struct VolumePreservation<const D: usize = 3, const N: usize = 4> {
     weights: Vec<f64>,
     forms: Vec<Form<N>>,
     groups: Vec<Group>,
+    /// Resting measure of each group, um^3 or um^2.
+    rest: Vec<f64>,
     /// kappa, kPa; nN/um for a flat mesh.
     stiffness: f64,
 }
@@ -46,8 +49,6 @@ struct Group {
     form: usize,
     /// Its nodes, each once.
     nodes: Vec<u32>,
-    /// Resting measure, um^3 or um^2.
-    rest: f64,
 }
 
 impl<const D: usize, const N: usize> VolumePreservation<D, N> {
@@ -61,16 +62,18 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
         assert!(group > 0 && count.is_multiple_of(group), "{count} simplices in groups of {group}");
         let nodes: Vec<[u32; N]> = mesh.simplices.iter().map(|simplex| simplex.nodes).collect();
         let weights = mesh.simplices.iter().map(|simplex| simplex.weight).collect();
-        let (forms, groups) = (Vec::new(), Vec::new());
-        let mut law = Self { nodes, weights, forms, groups, stiffness };
+        let (forms, groups, rest) = (Vec::new(), Vec::new(), Vec::new());
+        let mut law = Self { nodes, weights, forms, groups, rest, stiffness };
         for first in (0..count).step_by(group) {
-            let group = law.group(first..first + group, &mesh.points);
+            let (group, rest) = law.group(first..first + group, &mesh.points);
             law.groups.push(group);
+            law.rest.push(rest);
         }
         law
     }
 
-    fn group(&mut self, simplices: Range<usize>, points: &Vectors<D>) -> Group {
+    /// A group and its resting measure.
+    fn group(&mut self, simplices: Range<usize>, points: &Vectors<D>) -> (Group, f64) {
         let mut nodes: Vec<u32> = Vec::new();
         let mut place = |node: u32| {
             let place = nodes.iter().position(|other| *other == node).unwrap_or_else(|| {
@@ -90,7 +93,7 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
             self.forms.push(form);
             self.forms.len() - 1
         });
-        Group { simplices, form, nodes, rest }
+        (Group { simplices, form, nodes }, rest)
     }
 
     fn content(&self, simplices: &Range<usize>, positions: &Vectors<D>) -> f64 {
@@ -105,6 +108,7 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
     fn add(&self, positions: &Vectors<D>, forces: &mut Vectors<D>) {
         let (mut points, mut gradients) = (Vec::new(), Vec::new());
         let alike = self.groups.chunk_by(|a, b| a.form == b.form);
+        let mut rests = self.rest.iter();
         for groups in alike.flat_map(|groups| groups.chunks(LANES)) {
             let first = &groups[0];
             points.clear();
@@ -119,8 +123,8 @@ impl<const D: usize, const N: usize> VolumePreservation<D, N> {
                 }
             }
             let Lanes(measures) = self.forms[first.form].gradients(&points, &mut gradients);
-            for (lane, group) in groups.iter().enumerate() {
-                let scale = self.stiffness * (measures[lane] - group.rest) / group.rest;
+            for (lane, (group, rest)) in groups.iter().zip(&mut rests).enumerate() {
+                let scale = self.stiffness * (measures[lane] - rest) / rest;
                 for (&node, gradient) in group.nodes.iter().zip(&gradients) {
                     for axis in 0..D {
                         forces[axis][node as usize] -= scale * gradient[axis].0[lane];
@@ -232,24 +236,24 @@ impl<const D: usize, const N: usize> Force<D> for VolumePreservation<D, N> {
     }
 
     fn energy(&self, at: &Configuration<'_, D>) -> Option<f64> {
-        let one = |group: &Group| {
-            let deviation = self.content(&group.simplices, at.positions) - group.rest;
-            0.5 * self.stiffness * deviation * deviation / group.rest
+        let one = |(group, rest): (&Group, &f64)| {
+            let deviation = self.content(&group.simplices, at.positions) - rest;
+            0.5 * self.stiffness * deviation * deviation / rest
         };
-        Some(self.groups.iter().map(one).sum())
+        Some(self.groups.iter().zip(&self.rest).map(one).sum())
     }
 
     fn add_stiffness(&self, at: &Configuration<'_, D>, stiffness: &mut StiffnessMatrix<D>) -> bool {
         let mut points: Vec<[f64; D]> = Vec::new();
         let (mut gradients, mut blocks) = (Vec::new(), Vec::<Block<D>>::new());
-        for group in &self.groups {
+        for (group, rest) in self.groups.iter().zip(&self.rest) {
             let form = &self.forms[group.form];
             let place = |&node: &u32| from_fn(|axis| at.positions[axis][node as usize]);
             points.clear();
             points.extend(group.nodes.iter().map(place));
             // (kappa/V0) (dV (x) dV + (V - V0) d2V)
-            let deviation = form.gradients(&points, &mut gradients) - group.rest;
-            let scale = self.stiffness / group.rest;
+            let deviation = form.gradients(&points, &mut gradients) - rest;
+            let scale = self.stiffness / rest;
             let count = group.nodes.len();
             let one = |at: usize| -> Block<D> {
                 let (from, to) = (&gradients[at / count], &gradients[at % count]);
@@ -282,6 +286,15 @@ impl<const D: usize, const N: usize> Force<D> for VolumePreservation<D, N> {
         true
     }
 
+    fn on_lattice(&self) -> Option<LatticeLaw<'_, D>> {
+        Some(LatticeLaw::Volumes {
+            corners: self.nodes.as_flattened(),
+            weights: &self.weights,
+            stiffness: self.stiffness,
+            rest: &self.rest,
+        })
+    }
+
     fn is_internal(&self) -> bool {
         true
     }
@@ -306,11 +319,11 @@ mod tests {
             let mut at_once = zeros::<3>(mesh.len());
             law.add_forces(&body.configuration(0.0), &mut at_once);
             let (mut alone, mut gradients) = (zeros::<3>(mesh.len()), Vec::new());
-            for group in &law.groups {
+            for (group, rest) in law.groups.iter().zip(&law.rest) {
                 let place = |&node: &u32| from_fn(|axis| body.positions[axis][node as usize]);
                 let points: Vec<[f64; 3]> = group.nodes.iter().map(place).collect();
                 let measure = law.forms[group.form].gradients(&points, &mut gradients);
-                let scale = law.stiffness * (measure - group.rest) / group.rest;
+                let scale = law.stiffness * (measure - rest) / rest;
                 for (&node, gradient) in group.nodes.iter().zip(&gradients) {
                     for axis in 0..3 {
                         alone[axis][node as usize] -= scale * gradient[axis];

@@ -22,7 +22,7 @@ pub const TETRAHEDRA_OF_A_CUBE: usize = 10;
 
 /// Tetrahedra of both divisions: the inner one, of four corners not joined by sides, then one at
 /// each of the other corners.
-const TETRAHEDRA: [[usize; 4]; TETRAHEDRA_OF_A_CUBE] = [
+pub(crate) const TETRAHEDRA: [[usize; 4]; TETRAHEDRA_OF_A_CUBE] = [
     [0, 3, 6, 5],
     [1, 0, 5, 3],
     [2, 0, 3, 6],

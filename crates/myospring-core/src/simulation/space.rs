@@ -2,9 +2,8 @@
 
 use super::Simulation;
 use super::thickness::ThicknessMeter;
-use crate::integrate::engine::{EngineError, EngineUsed, Loops, Task};
+use crate::integrate::engine::{EngineError, EngineUsed, Task};
 use crate::integrate::stepper::Stepper;
-use crate::integrate::verlet::Motion;
 use crate::mechanics::active::Myofibrils;
 use crate::mechanics::material::{assemble, assemble_thick};
 use crate::mechanics::support::Attachment;
@@ -207,13 +206,10 @@ impl Space<3, 4> for Simulation {
         system: &'a System<3>,
         body: &'a Body<3>,
         time_step: f64,
-        _uniform_tension: bool,
+        uniform_tension: bool,
     ) -> Result<Moved<'a, 3>, EngineError> {
-        if self.numerics.engine.loops == Loops::Fused {
-            return Err(EngineError::Unsupported { what: "a thick cell".to_owned() });
-        }
-        let form = self.numerics.method.in_time();
-        let motion = Motion::new(system, body.clone(), form, time_step);
-        Ok((Box::new(motion), EngineUsed::Plain { instead_of_fused: None }))
+        let (form, lattice) = (self.numerics.method.in_time(), self.thick().mesh.lattice.as_ref());
+        let task = Task { system, body, lattice, form, time_step, uniform_tension };
+        self.numerics.engine.stepper(&task)
     }
 }

@@ -38,8 +38,8 @@ const GRACE: Duration = Duration::from_micros(200);
 const SOLITUDE: u32 = 16;
 
 /// What the threads share.
-struct Shared {
-    tiles: Tiles,
+struct Shared<const D: usize> {
+    tiles: Tiles<D>,
     board: Board,
     threads: usize,
     /// Whether the workers may help.
@@ -51,16 +51,16 @@ struct Shared {
 }
 
 /// Threads that step one lattice.
-pub(super) struct Team {
-    shared: Arc<Shared>,
+pub(super) struct Team<const D: usize = 2> {
+    shared: Arc<Shared<D>>,
     workers: Vec<JoinHandle<()>>,
     /// When the workers may help again.
     alone_until: Option<Instant>,
 }
 
-impl Team {
+impl<const D: usize> Team<D> {
     /// Starts threads for a lattice in the state [`Plan::vacant`].
-    pub(super) fn new(plan: Plan, units: Units, threads: usize) -> Self {
+    pub(super) fn new(plan: Plan<D>, units: Units, threads: usize) -> Self {
         let tiling = Tiling::new(&plan, threads.max(1));
         // With a single band each, threads could only take turns.
         let threads = threads.clamp(1, (tiling.starts.len() / 2).max(1));
@@ -76,7 +76,7 @@ impl Team {
         })
     }
 
-    fn at_work(shared: Shared) -> Self {
+    fn at_work(shared: Shared<D>) -> Self {
         let shared = Arc::new(shared);
         let worker = |index| {
             let shared = Arc::clone(&shared);
@@ -93,8 +93,8 @@ impl Team {
     }
 
     /// The plan, the state in rows as [`Plan`] lays them out, and the velocities at the full step
-    /// from the last [`Command::Look`]: x and y by row.
-    pub(super) fn parts(&mut self) -> (&Plan, &mut [f64], &[f64]) {
+    /// from the last [`Command::Look`], by row.
+    pub(super) fn parts(&mut self) -> (&Plan<D>, &mut [f64], &[f64]) {
         let tiles = &self.shared.tiles;
         // SAFETY: `&mut self`, and no thread is at work between commands.
         let (state, seen) = unsafe { tiles.values() };
@@ -177,7 +177,7 @@ impl Team {
     }
 }
 
-impl Drop for Team {
+impl<const D: usize> Drop for Team<D> {
     fn drop(&mut self) {
         self.shared.quit.store(true, Ordering::Release);
         self.wake();
@@ -188,7 +188,7 @@ impl Drop for Team {
     }
 }
 
-impl Shared {
+impl<const D: usize> Shared<D> {
     /// The main loop of a worker.
     fn serve(&self, index: usize) {
         loop {

@@ -2,7 +2,7 @@
 //! division.
 //!
 //! The lattice is cut into **tiles** of some blocks' width over all rows. A tile makes several
-//! steps in one sweep: each step trails the previous one by a row and is one block further to the
+//! steps in one sweep: each step trails the previous one by a row (in space by a layer and a row) and is one block further to the
 //! left, so that the values it needs from the previous step are complete, and those which the
 //! previous step needs are still unchanged:
 //!
@@ -15,7 +15,7 @@
 //! ```
 //!
 //! A tile's window of rows stays in the second-level cache, so a large mesh is read from memory
-//! once for several steps. Consecutive fronts form a **band** (see `bands.rs`): one thread sweeps a
+//! once for several steps. In space there is one tile. Consecutive fronts form a **band** (see `bands.rs`): one thread sweeps a
 //! band, tile by tile, and leaves the forces carried upwards by its last front to the thread of the
 //! band above. Every force is computed once, from the same values in the same order for any tiles
 //! and bands, so results are bitwise the same.
@@ -24,7 +24,9 @@
 use super::lanes::{Avx2, Avx512};
 use super::lanes::{Lanes, Portable, Units};
 use super::plan::{BLOCK, Block, Plan, laws};
-use super::sweep::{Handover, Row, pass, purpose};
+use super::sweep::{Handover, Row, purpose};
+use super::{cubes, squares};
+use std::any::Any;
 use std::cell::UnsafeCell;
 use std::ops::Range;
 
@@ -65,7 +67,7 @@ pub(super) struct Tiling {
     pub(super) depth: usize,
     /// Number of tiles.
     pub(super) count: usize,
-    /// First front of each band. Every band except the last has at least `depth` fronts, so that
+    /// First front of each band. Every band except the last has at least `depth` times the plan's `lag` fronts, so that
     /// work on it in one sweep does not overlap with work on the band after next in the previous
     /// sweep.
     pub(super) starts: Vec<usize>,
@@ -74,30 +76,31 @@ pub(super) struct Tiling {
 impl Tiling {
     /// Divides a lattice: a mesh that fits into the threads' caches is one tile, a larger one has
     /// tiles that fit.
-    pub(super) fn new(plan: &Plan, threads: usize) -> Self {
+    pub(super) fn new<const D: usize>(plan: &Plan<D>, threads: usize) -> Self {
         let blocks = plan.blocks;
-        let state = 4 * size_of::<Block>();
+        let state = 2 * D * size_of::<Block>();
         let records = size_of_val(&plan.records[..]) / (plan.rows * blocks);
         let fits = plan.rows * blocks * (state + records) <= CACHE * threads;
-        let depth = if fits { 2 } else { DEEP };
+        let depth = if fits || D > 2 { 2 } else { DEEP };
         let in_cache = CACHE / ((depth + 2) * (state + records));
         let widest = blocks + depth - 1;
-        let width = if fits { widest } else { widest.min(in_cache) }.max(depth);
+        let width = if fits || D > 2 { widest } else { widest.min(in_cache) }.max(depth);
         let bands = if threads > 1 { BANDS * threads } else { 1 };
-        let starts = starts(plan, bands.clamp(1, (plan.rows / depth).max(1)), depth);
+        let least = depth * plan.lag;
+        let starts = starts(plan, bands.clamp(1, (plan.rows / least).max(1)), least);
         Self { width, depth, count: widest.div_ceil(width), starts }
     }
 }
 
-/// Bands of about the same work, at least `depth` rows each.
-fn starts(plan: &Plan, bands: usize, depth: usize) -> Vec<usize> {
+/// Bands of about the same work, of so many rows at least.
+fn starts<const D: usize>(plan: &Plan<D>, bands: usize, fewest: usize) -> Vec<usize> {
     let work = |row: usize| plan.spans[row][1] - plan.spans[row][0] + 1;
     let total: usize = (0..plan.rows).map(work).sum();
     let mut starts = vec![0];
     let (mut row, mut below) = (0, 0);
     for band in 1..bands {
-        let least = starts[band - 1] + depth;
-        let most = plan.rows - (bands - band) * depth;
+        let least = starts[band - 1] + fewest;
+        let most = plan.rows - (bands - band) * fewest;
         while row < least || (row < most && below * bands < band * total) {
             below += work(row);
             row += 1;
@@ -136,14 +139,14 @@ impl Buffer {
 }
 
 /// The masses, their plan and buffers.
-pub(super) struct Tiles {
-    pub(super) plan: Plan,
+pub(super) struct Tiles<const D: usize = 2> {
+    pub(super) plan: Plan<D>,
     units: Units,
     tiling: Tiling,
     state: Buffer,
-    /// Velocities at the full step, x and y by row.
+    /// Velocities at the full step by row.
     seen: Buffer,
-    /// Carried forces by step of a sweep: x and y. Each sweep has its own while it moves from band
+    /// Carried forces by step of a sweep, on `lag` rows in turn. Each sweep has its own while it moves from band
     /// to band.
     carries: Vec<Buffer>,
     /// By tile, step of a sweep and row.
@@ -155,22 +158,22 @@ pub(super) struct Tiles {
 // SAFETY: `command` is written while no thread is at work. For the rest a thread touches only what
 // belongs to the band and the sweep that it is at, and the order of bands in `bands.rs` keeps others
 // away from it:
-// - Step s of a band writes the rows s below its fronts, in `state`, `seen` and `handovers`, and reads
-//   these rows and the one above. Bands below have done this sweep and do not come back before this band
-//   has done it; the band above has done the sweep before; and the bands above that one stay `depth` rows
-//   away, see `Tiling::starts`.
+// - Step s of a band writes the rows `s lag` below its fronts, in `state`, `seen` and `handovers`, and reads
+//   these rows and up to `lag` above. Bands below have done this sweep and do not come back before this band
+//   has done it; the band above has done the sweep before; and the bands above that one stay `depth lag`
+//   rows away, see `Tiling::starts`.
 // - A sweep is in one band at a time, so its `carries` have one reader and writer. There are as many as
 //   bands, and a sweep starts when the sweep as many before it has left the last band.
-unsafe impl Sync for Tiles {}
+unsafe impl<const D: usize> Sync for Tiles<D> {}
 // SAFETY: plain data.
-unsafe impl Send for Tiles {}
+unsafe impl<const D: usize> Send for Tiles<D> {}
 
-impl Tiles {
+impl<const D: usize> Tiles<D> {
     /// Starts in the state [`Plan::vacant`].
-    pub(super) fn new(plan: Plan, units: Units, tiling: Tiling) -> Self {
+    pub(super) fn new(plan: Plan<D>, units: Units, tiling: Tiling) -> Self {
         assert!(units.available(), "{units:?} is not available on this processor");
         let handovers = tiling.count * tiling.depth * plan.rows;
-        let carry = || Buffer::zeros(tiling.depth * 2 * plan.stride);
+        let carry = || Buffer::zeros(tiling.depth * plan.lag * D * plan.stride);
         Self {
             units,
             state: Buffer::new(plan.vacant.clone()),
@@ -219,7 +222,7 @@ impl Tiles {
             Units::Avx512 => unsafe { perform_avx512(self, band, sweeps) },
             #[cfg(target_arch = "x86_64")]
             Units::Avx2 => unsafe { perform_avx2(self, band, sweeps) },
-            _ => unsafe { perform_with_laws::<Portable>(self, band, sweeps) },
+            _ => unsafe { perform_with_laws::<Portable, D>(self, band, sweeps) },
         }
     }
 }
@@ -228,42 +231,42 @@ impl Tiles {
 /// As for [`Tiles::perform`], and the processor has AVX-512F.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
-unsafe fn perform_avx512(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
+unsafe fn perform_avx512<const D: usize>(tiles: &Tiles<D>, band: usize, sweeps: Range<u64>) {
     // SAFETY: as above.
-    unsafe { perform_with_laws::<Avx512>(tiles, band, sweeps) }
+    unsafe { perform_with_laws::<Avx512, D>(tiles, band, sweeps) }
 }
 
 /// # Safety
 /// As for [`Tiles::perform`], and the processor has AVX2 and FMA.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-unsafe fn perform_avx2(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
+unsafe fn perform_avx2<const D: usize>(tiles: &Tiles<D>, band: usize, sweeps: Range<u64>) {
     // SAFETY: as above.
-    unsafe { perform_with_laws::<Avx2>(tiles, band, sweeps) }
+    unsafe { perform_with_laws::<Avx2, D>(tiles, band, sweeps) }
 }
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn perform_with_laws<L: Lanes>(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
-    const A: u8 = laws::AREA;
+unsafe fn perform_with_laws<L: Lanes, const D: usize>(tiles: &Tiles<D>, band: usize, sweeps: Range<u64>) {
+    const A: u8 = laws::MEASURE;
     const F: u8 = laws::FIBRE;
     const N: u8 = laws::ANCHORS;
     // SAFETY: the caller's.
     unsafe {
         match tiles.plan.laws {
-            0 => perform::<L, 0>(tiles, band, sweeps),
-            A => perform::<L, A>(tiles, band, sweeps),
-            F => perform::<L, F>(tiles, band, sweeps),
-            3 => perform::<L, { A | F }>(tiles, band, sweeps),
+            0 => perform::<L, D, 0>(tiles, band, sweeps),
+            A => perform::<L, D, A>(tiles, band, sweeps),
+            F => perform::<L, D, F>(tiles, band, sweeps),
+            3 => perform::<L, D, { A | F }>(tiles, band, sweeps),
             // With anchors the rare combinations share a kernel; absent laws have no coefficients.
-            _ => perform::<L, { A | F | N }>(tiles, band, sweeps),
+            _ => perform::<L, D, { A | F | N }>(tiles, band, sweeps),
         }
     }
 }
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn perform<L: Lanes, const LAWS: u8>(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
+unsafe fn perform<L: Lanes, const D: usize, const LAWS: u8>(tiles: &Tiles<D>, band: usize, sweeps: Range<u64>) {
     // SAFETY: the command was written before the band could be claimed, and is not again before all are
     // done; for the rest the caller's.
     unsafe {
@@ -287,8 +290,8 @@ unsafe fn perform<L: Lanes, const LAWS: u8>(tiles: &Tiles, band: usize, sweeps: 
 }
 
 /// One band of one sweep.
-struct Piece<'a> {
-    tiles: &'a Tiles,
+struct Piece<'a, const D: usize> {
+    tiles: &'a Tiles<D>,
     band: usize,
     /// Index within the command.
     sweep: usize,
@@ -297,7 +300,7 @@ struct Piece<'a> {
 
 /// All functions need the processor features of `L`, and that the piece is the caller's alone.
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-impl Piece<'_> {
+impl<const D: usize> Piece<'_, D> {
     /// The band's fronts, tile by tile.
     #[inline(always)]
     unsafe fn fronts<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
@@ -309,10 +312,13 @@ impl Piece<'_> {
         let Tiling { width, depth, count, ref starts } = *tiling;
         let first = self.sweep * depth;
         let steps = depth.min(steps - first);
-        let end = starts.get(self.band + 1).map_or(plan.rows + steps - 1, |start| *start);
+        let lag = plan.lag;
+        let end = plan.rows + (steps - 1) * lag;
+        let end = starts.get(self.band + 1).map_or(end, |start| *start);
         for tile in 0..count {
             for front in starts[self.band]..end {
-                for step in front.saturating_sub(plan.rows - 1)..steps.min(front + 1) {
+                let oldest = (front + 1).saturating_sub(plan.rows).div_ceil(lag);
+                for step in oldest..steps.min(front / lag + 1) {
                     let start = (tile * width).saturating_sub(step);
                     let end = ((tile + 1) * width).saturating_sub(step);
                     // SAFETY: the caller's.
@@ -320,7 +326,7 @@ impl Piece<'_> {
                         self.row::<L, LAWS, PURPOSE>(
                             tile,
                             step,
-                            front - step,
+                            front - step * lag,
                             start..end,
                             tension(first + step),
                         );
@@ -353,19 +359,23 @@ impl Piece<'_> {
                 *right = left;
                 return;
             }
-            let carry = self.carries.start.add(step * 2 * plan.stride);
+            let carry = self.carries.start.add(step * plan.lag * D * plan.stride);
             if index == 0 {
-                for axis in 0..2 {
-                    let start = carry.add(axis * plan.stride + blocks.start * BLOCK);
+                for part in 0..plan.lag * D {
+                    let start = carry.add(part * plan.stride + blocks.start * BLOCK);
                     std::ptr::write_bytes(start, 0, blocks.len() * BLOCK);
                 }
             }
             let lower = self.tiles.state.start.add(index * plan.row_len());
-            let upper = lower.add(plan.row_len());
             let out = self.tiles.seen.start.add(index * plan.row_len() / 2);
             let fetch = step == 0 && tiling.depth == DEEP;
-            let row = Row { index, blocks, lower, upper, carry, left, right, out, fetch };
-            pass::<L, LAWS, PURPOSE>(plan, tension, row);
+            let row = Row { index, blocks, lower, carry, left, right, out, fetch };
+            let plan: &dyn Any = plan;
+            if let Some(plan) = plan.downcast_ref() {
+                squares::pass::<L, LAWS, PURPOSE>(plan, tension, row);
+            } else if let Some(plan) = plan.downcast_ref() {
+                cubes::pass::<L, LAWS, PURPOSE>(plan, tension, row);
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Threads that stall and threads that panic.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use super::super::LatticeTerms;
+use super::super::terms::LatticeTerms;
 use super::*;
 use crate::mechanics::support::Support;
 use crate::mesh::lattice;
