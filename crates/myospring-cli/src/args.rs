@@ -125,7 +125,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "NAME=FACTOR,...", allow_hyphen_values = true, help_heading = CELL)]
     pub(crate) scale: Option<String>,
     /// Threads of the integrator; results do not depend on it [default: one core for every 8000
-    /// masses, at most all cores]
+    /// masses (4000 of a thick cell), at most all cores]
     #[arg(long, value_name = "N", help_heading = NUMERICS)]
     pub(crate) threads: Option<NonZeroUsize>,
     #[arg(long, value_name = "WORDS", value_delimiter = ',', value_parser = outputs::words(),

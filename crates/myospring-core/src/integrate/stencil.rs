@@ -1,19 +1,19 @@
-//! The fused kernel of a lattice: all forces, kick and drift in one sweep, vectorised.
+//! The fused kernel of a lattice of squares or cubes: all forces, kick and drift in one sweep, vectorised.
 //!
 //! It makes the same Stoermer-Verlet steps as [`super::verlet`], several times faster, and agrees
-//! with it except for rounding. It supports springs with axial dashpots, the `gradient` area law,
-//! fibre tension in any directions, drag, clamped nodes, elastic beds and spring-held ends, on any
-//! outline, with any mass, stiffness, dashpot, area stiffness and fibre weight per place.
+//! with it except for rounding. It supports springs with axial dashpots, the `gradient` area law, the volume law of
+//! cubes, uniform fibre tension in any directions, drag, clamped nodes, elastic beds and spring-held ends, on any
+//! outline or form, with any mass, stiffness, dashpot, area or volume stiffness and fibre weight per place.
 //! Everything else uses the plain loops.
 //!
 //! # How
 //! - Masses are stored in rows of the bounding box. A place without a mass has springs without
 //!   stiffness and cannot move; groups of eight such places are skipped.
-//! - A group of eight squares shares its coefficients with the rest of the cell, or has its own
+//! - A group of eight squares or cubes shares its coefficients with the rest of the cell, or has its own
 //!   record (on the rim, or everywhere if a field is not uniform).
-//! - Each spring is evaluated once; see `sweep.rs`. On AVX-512 the inverse length is computed by an
+//! - Each spring is evaluated once; see `sweep.rs`, `squares.rs` and `cubes.rs`. On AVX-512 the inverse length is computed by an
 //!   estimate and a series, at a third of the cost of a root and a division.
-//! - A mesh larger than the cache is swept once for several steps, each a row behind the last.
+//! - A mesh larger than the cache is swept once for several steps, each a row (in space a layer) behind the last.
 //! - Several threads share the mesh in bands of rows; see `bands.rs` and `team.rs`. Results are
 //!   bitwise the same for any number of threads, but not for other vector units (FMA rounds once,
 //!   others round twice).
@@ -45,14 +45,14 @@ use team::Team;
 use terms::LatticeTerms;
 use tiles::Command;
 
-/// Number of masses from which on a further thread is worthwhile; see docs/reference/performance.md.
-const MASSES_A_THREAD: usize = 8000;
+/// Number of springs from which on a further thread is worthwhile; see docs/reference/performance.md.
+const SPRINGS_A_THREAD: usize = 30_000;
 
-/// Number of threads that is worthwhile for a number of masses: one for every 8000, at least one,
-/// at most one per core. With fewer masses per thread, synchronisation takes much of the gain.
-pub fn worthwhile_threads(masses: usize) -> usize {
+/// Number of threads that is worthwhile for a number of springs: one for every 30 000 (8000 masses of a flat cell, 4000 of
+/// a thick one), at least one, at most one per core. With fewer springs per thread, synchronisation takes much of the gain.
+pub fn worthwhile_threads(springs: usize) -> usize {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    (masses / MASSES_A_THREAD).clamp(1, cores)
+    (springs / SPRINGS_A_THREAD).clamp(1, cores)
 }
 
 /// What the kernel does not support, in words.

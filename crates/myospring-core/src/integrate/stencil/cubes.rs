@@ -10,7 +10,7 @@
 use super::lanes::Lanes;
 use super::plan::{BLOCK, Class, Plan, laws};
 use super::sweep::{
-    Field, Row, Step, Terms, Uniform, anchored, difference, load, pull, purpose, store,
+    Field, Row, Step, Terms, Uniform, anchored, difference, fetch_next, load, pull, purpose, store,
 };
 
 /// Eight or fewer values of the corners' components.
@@ -143,8 +143,16 @@ unsafe fn swell<L: Lanes>(
     }
 }
 
-/// The pull of the cubes at their corners but the least one, minus the forces on them, which add up to that on the
-/// least; and its place and velocity.
+/// Cubes that were evaluated.
+struct Pulled<V> {
+    /// Minus the forces on all corners but the least one, of which they are the force.
+    pulls: Corners<V>,
+    /// Place and velocity of the least corner.
+    a: [V; 3],
+    va: [V; 3],
+}
+
+/// The pulls of `N` cubes from `rows` on.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 unsafe fn cubes<L: Lanes, T: Terms<L>, const LAWS: u8>(
@@ -152,7 +160,7 @@ unsafe fn cubes<L: Lanes, T: Terms<L>, const LAWS: u8>(
     rows: [*const f64; 4],
     stride: usize,
     rest: L::V,
-) -> (Corners<L::V>, [L::V; 3], [L::V; 3]) {
+) -> Pulled<L::V> {
     // SAFETY: rows are `6 stride` long and have a block of padding on the right; for the rest see `tie`.
     unsafe {
         let zero = [L::splat(0.0); 3];
@@ -177,7 +185,7 @@ unsafe fn cubes<L: Lanes, T: Terms<L>, const LAWS: u8>(
         if LAWS & laws::MEASURE != 0 {
             swell::<L>(terms.measure(), rest, &places, &mut pulls);
         }
-        (pulls, places[0], velocities[0])
+        Pulled { pulls, a: places[0], va: velocities[0] }
     }
 }
 
@@ -202,28 +210,25 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         let zero = [L::splat(0.0); 3];
         let above = |rows: usize| row.lower.cast_const().add(rows * plan.row_len());
         let upper = [above(0), above(1), above(lag - 1), above(lag)];
-        // The forces carried to the furthest row take the place of those on this one.
         let carried = |rows: usize| row.carry.add((row.index + rows) % lag * 3 * stride);
-        let [own, next, layer] = [carried(0), carried(1), carried(lag - 1)];
+        let carried = [carried(0), carried(1), carried(lag - 1)];
         let mut before = [zero; 4];
         for block in row.blocks {
             let class = plan.classes[row.index * plan.blocks + block];
+            if row.fetch {
+                fetch_next(plan, row.index, block, row.lower);
+            }
             for part in 0..BLOCK / L::N {
                 let at = block * BLOCK + part * L::N;
                 let rows = [upper[0].add(at), upper[1].add(at), upper[2].add(at), upper[3].add(at)];
-                let ((pulls, a, va), inverse_mass) = match class {
+                let (Pulled { pulls, a, va }, inverse_mass) = match class {
                     Class::EMPTY => {
-                        let [_, on_next, on_layer, on_last] = before;
-                        let mut shifted = [on_next, on_layer, on_last];
-                        for pull in &mut shifted {
+                        for pull in &mut before {
                             for axis in 0..3 {
                                 pull[axis] = L::shift(zero[0], pull[axis]);
                             }
                         }
-                        let [on_next, on_layer, on_last] = shifted;
-                        store::<L, 3>(own.add(at), stride, on_last);
-                        add::<L>(next.add(at), stride, on_next);
-                        add::<L>(layer.add(at), stride, on_layer);
+                        carry::<L>(carried, (stride, at), before);
                         before = [zero; 4];
                         continue;
                     }
@@ -243,7 +248,7 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                 };
                 // What each row's masses feel of the cubes to their right and left.
                 let mut on = [zero; 4];
-                let mut force = load::<L, 3>(own.add(at), stride);
+                let mut force = load::<L, 3>(carried[0].add(at), stride);
                 for axis in 0..3 {
                     let mut sum = pulls[1][axis];
                     for corner in 2..8 {
@@ -270,24 +275,29 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                 if PURPOSE == purpose::LOOK {
                     store::<L, 3>(row.out.add(at), stride, step.halfway(inverse_mass, force, va));
                 }
-                store::<L, 3>(own.add(at), stride, on[3]);
-                add::<L>(next.add(at), stride, on[1]);
-                add::<L>(layer.add(at), stride, on[2]);
+                carry::<L>(carried, (stride, at), on);
             }
         }
     }
 }
 
-/// Adds to what is carried.
+/// Carries the pulls on the rows above: those on the furthest take the place of those on this one.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn add<L: Lanes>(to: *mut f64, stride: usize, pull: [L::V; 3]) {
+unsafe fn carry<L: Lanes>(
+    [own, next, layer]: [*mut f64; 3],
+    (stride, at): (usize, usize),
+    [_, on_next, on_layer, on_last]: [[L::V; 3]; 4],
+) {
     // SAFETY: the caller's.
     unsafe {
-        let mut sum = load::<L, 3>(to, stride);
-        for axis in 0..3 {
-            sum[axis] = L::add(sum[axis], pull[axis]);
+        store::<L, 3>(own.add(at), stride, on_last);
+        for (to, on) in [(next, on_next), (layer, on_layer)] {
+            let mut sum = load::<L, 3>(to.add(at), stride);
+            for axis in 0..3 {
+                sum[axis] = L::add(sum[axis], on[axis]);
+            }
+            store::<L, 3>(to.add(at), stride, sum);
         }
-        store::<L, 3>(to, stride, sum);
     }
 }

@@ -8,10 +8,10 @@
 //! a --- b
 //! ```
 
-use super::lanes::{Lanes, prefetch};
-use super::plan::{BLOCK, Class, Plan, Record, laws};
+use super::lanes::Lanes;
+use super::plan::{BLOCK, Class, Plan, laws};
 use super::sweep::{
-    Field, Row, Step, Terms, Uniform, anchored, difference, load, pull, purpose, store,
+    Field, Row, Step, Terms, Uniform, anchored, difference, fetch_next, load, pull, purpose, store,
 };
 
 /// Forces on the corner b of squares and by the corners c and d, from which that on a follows; and
@@ -60,10 +60,10 @@ unsafe fn squares<L: Lanes, T: Terms<L>, const LAWS: u8>(
 
         let minus = |s: L::V, l: L::V, f: L::V| L::mul_sub_from(s, l, f);
         let cross_pull = [L::mul(across, falling[0]), L::mul(across, falling[1])];
-        let mut on_b =
-            [minus(to_b, east[0], cross_pull[0]), minus(to_b, east[1], cross_pull[1])];
+        let mut on_b = [minus(to_b, east[0], cross_pull[0]), minus(to_b, east[1], cross_pull[1])];
         let mut by_c = [L::mul(to_c, rising[0]), L::mul(to_c, rising[1])];
-        let mut by_d = [L::mul_add(to_d, north[0], cross_pull[0]), L::mul_add(to_d, north[1], cross_pull[1])];
+        let mut by_d =
+            [L::mul_add(to_d, north[0], cross_pull[0]), L::mul_add(to_d, north[1], cross_pull[1])];
         if LAWS & laws::MEASURE != 0 {
             // Energy w (k/2)(A - A0)^2/A0 on the triangles abc, acd, abd, bcd, each with w = 1/2.
             // Twice their areas:
@@ -117,16 +117,19 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         for block in row.blocks {
             let class = plan.classes[row.index * plan.blocks + block];
             if row.fetch {
-                fetch_above(plan, row.index, block, above.add(plan.row_len()));
+                fetch_next(plan, row.index, block, row.lower);
             }
             for part in 0..BLOCK / L::N {
                 let at = block * BLOCK + part * L::N;
-                let (lower, upper, carry) =
-                    (row.lower.add(at), above.add(at), row.carry.add(at));
+                let (lower, upper, carry) = (row.lower.add(at), above.add(at), row.carry.add(at));
                 let (corners, inverse_mass) = match class {
                     Class::EMPTY => {
                         let by_c = before.1;
-                        store::<L, 2>(carry, stride, [L::shift(zero, by_c[0]), L::shift(zero, by_c[1])]);
+                        store::<L, 2>(
+                            carry,
+                            stride,
+                            [L::shift(zero, by_c[0]), L::shift(zero, by_c[1])],
+                        );
                         before = ([zero, zero], [zero, zero]);
                         continue;
                     }
@@ -145,14 +148,21 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                     }
                 };
                 let Corners { on_b, by_c, by_d, a, va } = corners;
-                let from_left =
-                    [L::shift(on_b[0], before.0[0]), L::shift(on_b[1], before.0[1])];
-                let across =
-                    [L::shift(by_c[0], before.1[0]), L::shift(by_c[1], before.1[1])];
+                let from_left = [L::shift(on_b[0], before.0[0]), L::shift(on_b[1], before.0[1])];
+                let across = [L::shift(by_c[0], before.1[0]), L::shift(by_c[1], before.1[1])];
                 before = (on_b, by_c);
                 // Force from the squares above, then from those below, which carry its opposite.
                 let below = load::<L, 2>(carry, stride);
-                let mut force = [L::sub(L::add(L::sub(from_left[0], on_b[0]), L::add(by_c[0], by_d[0])), below[0]), L::sub(L::add(L::sub(from_left[1], on_b[1]), L::add(by_c[1], by_d[1])), below[1])];
+                let mut force = [
+                    L::sub(
+                        L::add(L::sub(from_left[0], on_b[0]), L::add(by_c[0], by_d[0])),
+                        below[0],
+                    ),
+                    L::sub(
+                        L::add(L::sub(from_left[1], on_b[1]), L::add(by_c[1], by_d[1])),
+                        below[1],
+                    ),
+                ];
                 if LAWS & laws::ANCHORS != 0 {
                     force = anchored::<L, 2>(plan, (row.index, at), a, force);
                 }
@@ -164,29 +174,15 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                 if PURPOSE == purpose::LOOK {
                     store::<L, 2>(row.out.add(at), stride, step.halfway(inverse_mass, force, va));
                 }
-                store::<L, 2>(carry, stride, [L::add(by_d[0], across[0]), L::add(by_d[1], across[1])]);
+                store::<L, 2>(
+                    carry,
+                    stride,
+                    [L::add(by_d[0], across[0]), L::add(by_d[1], across[1])],
+                );
             }
         }
         let (b, c) = before;
         *row.right = [last::<L>(b[0]), last::<L>(b[1]), last::<L>(c[0]), last::<L>(c[1])];
-    }
-}
-
-/// Prefetches what the next row's pass reads at a block: coefficients, and the state of the row
-/// above it.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-fn fetch_above(plan: &Plan, row: usize, block: usize, state: *const f64) {
-    for component in 0..4 {
-        prefetch(state.wrapping_add(component * plan.stride + block * BLOCK));
-    }
-    if let Some(&class) = plan.classes.get((row + 1) * plan.blocks + block)
-        && class.0 > Class::UNIFORM.0
-    {
-        let record = plan.record(class);
-        for term in 0..Record::<2>::LEN {
-            prefetch(record.wrapping_add(term * BLOCK));
-        }
     }
 }
 

@@ -5,8 +5,8 @@
 //! sum of the others. A row's masses move as soon as their force is complete: what is to the right and above
 //! still sees the old positions.
 
-use super::lanes::Lanes;
-use super::plan::{BLOCK, Plan, Record, laws};
+use super::lanes::{Lanes, prefetch};
+use super::plan::{BLOCK, Class, Plan, Record, laws};
 use std::ops::Range;
 
 /// Purpose of a pass over a row.
@@ -340,5 +340,29 @@ pub(super) unsafe fn anchored<L: Lanes, const D: usize>(
             force[axis] = L::mul_sub_from(k, L::sub(a[axis], rest[axis]), force[axis]);
         }
         force
+    }
+}
+
+/// Prefetches what the next row's pass is the first to read at a block: coefficients, and the state of the furthest row
+/// above it.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
+pub(super) fn fetch_next<const D: usize>(
+    plan: &Plan<D>,
+    row: usize,
+    block: usize,
+    state: *const f64,
+) {
+    let furthest = state.wrapping_add((plan.lag + 1) * plan.row_len() + block * BLOCK);
+    for component in 0..2 * D {
+        prefetch(furthest.wrapping_add(component * plan.stride));
+    }
+    if let Some(&class) = plan.classes.get((row + 1) * plan.blocks + block)
+        && class.0 > Class::UNIFORM.0
+    {
+        let record = plan.record(class);
+        for term in 0..Record::<D>::LEN {
+            prefetch(record.wrapping_add(term * BLOCK));
+        }
     }
 }

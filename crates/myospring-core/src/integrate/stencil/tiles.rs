@@ -61,6 +61,8 @@ impl Command {
 /// Division of the lattice into tiles and bands.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tiling {
+    /// Whether the mesh is larger than the threads' caches.
+    pub(super) large: bool,
     /// Blocks in a tile.
     pub(super) width: usize,
     /// Steps in a sweep.
@@ -81,14 +83,19 @@ impl Tiling {
         let state = 2 * D * size_of::<Block>();
         let records = size_of_val(&plan.records[..]) / (plan.rows * blocks);
         let fits = plan.rows * blocks * (state + records) <= CACHE * threads;
-        let depth = if fits || D > 2 { 2 } else { DEEP };
+        // A layer is many rows, so that a deep sweep would take as much memory as the mesh, and leave few bands.
+        let depth = match (D, fits) {
+            (3.., true) if threads > 1 => 1,
+            (3.., _) | (_, true) => 2,
+            (_, false) => DEEP,
+        };
         let in_cache = CACHE / ((depth + 2) * (state + records));
         let widest = blocks + depth - 1;
         let width = if fits || D > 2 { widest } else { widest.min(in_cache) }.max(depth);
         let bands = if threads > 1 { BANDS * threads } else { 1 };
         let least = depth * plan.lag;
         let starts = starts(plan, bands.clamp(1, (plan.rows / least).max(1)), least);
-        Self { width, depth, count: widest.div_ceil(width), starts }
+        Self { large: !fits, width, depth, count: widest.div_ceil(width), starts }
     }
 }
 
@@ -247,7 +254,11 @@ unsafe fn perform_avx2<const D: usize>(tiles: &Tiles<D>, band: usize, sweeps: Ra
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn perform_with_laws<L: Lanes, const D: usize>(tiles: &Tiles<D>, band: usize, sweeps: Range<u64>) {
+unsafe fn perform_with_laws<L: Lanes, const D: usize>(
+    tiles: &Tiles<D>,
+    band: usize,
+    sweeps: Range<u64>,
+) {
     const A: u8 = laws::MEASURE;
     const F: u8 = laws::FIBRE;
     const N: u8 = laws::ANCHORS;
@@ -266,7 +277,11 @@ unsafe fn perform_with_laws<L: Lanes, const D: usize>(tiles: &Tiles<D>, band: us
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn perform<L: Lanes, const D: usize, const LAWS: u8>(tiles: &Tiles<D>, band: usize, sweeps: Range<u64>) {
+unsafe fn perform<L: Lanes, const D: usize, const LAWS: u8>(
+    tiles: &Tiles<D>,
+    band: usize,
+    sweeps: Range<u64>,
+) {
     // SAFETY: the command was written before the band could be claimed, and is not again before all are
     // done; for the rest the caller's.
     unsafe {
@@ -309,7 +324,7 @@ impl<const D: usize> Piece<'_, D> {
         tension: impl Fn(usize) -> f64,
     ) {
         let Tiles { plan, tiling, .. } = self.tiles;
-        let Tiling { width, depth, count, ref starts } = *tiling;
+        let Tiling { width, depth, count, ref starts, .. } = *tiling;
         let first = self.sweep * depth;
         let steps = depth.min(steps - first);
         let lag = plan.lag;
@@ -368,12 +383,12 @@ impl<const D: usize> Piece<'_, D> {
             }
             let lower = self.tiles.state.start.add(index * plan.row_len());
             let out = self.tiles.seen.start.add(index * plan.row_len() / 2);
-            let fetch = step == 0 && tiling.depth == DEEP;
+            let fetch = step == 0 && tiling.large;
             let row = Row { index, blocks, lower, carry, left, right, out, fetch };
             let plan: &dyn Any = plan;
-            if let Some(plan) = plan.downcast_ref() {
+            if let Some(plan) = plan.downcast_ref::<Plan<2>>() {
                 squares::pass::<L, LAWS, PURPOSE>(plan, tension, row);
-            } else if let Some(plan) = plan.downcast_ref() {
+            } else if let Some(plan) = plan.downcast_ref::<Plan<3>>() {
                 cubes::pass::<L, LAWS, PURPOSE>(plan, tension, row);
             }
         }

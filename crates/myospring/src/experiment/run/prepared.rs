@@ -19,7 +19,7 @@ pub struct BeatCell {
     /// The settings.
     pub run: Run,
     /// Threads that move the masses; results do not depend on it. `None` uses one core for every
-    /// 8000 masses, at most all cores.
+    /// 8000 masses of a flat cell or 4000 of a thick one, at most all cores.
     pub threads: Option<usize>,
     /// Where an overlay goes that shows why a picture gives no cell.
     pub refused: Option<Place>,
@@ -101,8 +101,10 @@ impl PreparedRun {
         run.fibre = made.fibres.taken;
         let mut timings = Timings { mesh_s: start.elapsed().as_secs_f64(), ..Timings::default() };
         let stage = Stopwatch::start();
-        let worthwhile = || stencil::worthwhile_threads(made.simulation.mesh.len());
-        made.simulation.numerics.engine.threads = threads.unwrap_or_else(worthwhile);
+        let Simulation { mesh, thick, .. } = &made.simulation;
+        let springs = thick.as_ref().map_or(&mesh.springs, |thick| &thick.mesh.springs).len();
+        let threads = threads.unwrap_or_else(|| stencil::worthwhile_threads(springs));
+        made.simulation.numerics.engine.threads = threads;
         let ready = build(&made.simulation)?;
         timings.preparation_s = stage.elapsed().as_secs_f64();
         timings.total_s = start.elapsed().as_secs_f64();

@@ -195,6 +195,7 @@ fn the_bits_are_the_same_in_whatever_order_the_pieces_are_done() {
         state
     };
     let tiling = |width: usize, depth: usize, starts: &[usize]| Tiling {
+        large: depth > 2,
         width,
         depth,
         count: (8 + depth - 1_usize).div_ceil(width),
