@@ -4,8 +4,8 @@
 //! cargo run --release -p myospring-verification --example throughput -- SIZE THREADS [springs|all|fields] [avx512|avx2|portable|plain]
 //! ```
 //!
-//! SIZE is `2k`, `20k`, `200k`, `2M` or `COLUMNSxROWS` masses. `springs`: springs and dashpots; `all`:
-//! with area law, fibre tension and drag too; `fields`: as `all`, with masses, stiffnesses and fibre
+//! SIZE is `2k`, `20k`, `200k`, `2M`, or `COLUMNSxROWS` or `COLUMNSxROWSxLAYERS` masses. `springs`: springs and dashpots; `all`:
+//! with area or volume law, fibre tension and drag too; `fields`: as `all`, with masses, stiffnesses and fibre
 //! directions that differ from place to place. Prints one JSON line.
 //!
 //! The work: spacing 1, k = 1 for every spring, dashpot 0.1, mass 1, time step 0.05, a smooth initial
@@ -19,8 +19,9 @@ use myospring::mechanics::area::{AreaLaw, AreaPreservation};
 use myospring::mechanics::drag::Drag;
 use myospring::mechanics::spring::Springs;
 use myospring::mechanics::support::Support;
+use myospring::mechanics::volume::VolumePreservation;
 use myospring::mechanics::{Body, Configuration, Force, System, zeros};
-use myospring::mesh::{Lattice, Mesh, lattice};
+use myospring::mesh::{Lattice, Mesh, cubes, lattice};
 use std::time::Instant;
 
 const TIME_STEP: f64 = 0.05;
@@ -33,32 +34,52 @@ fn main() {
     };
     let (size, threads) = (argument(0, "2k"), argument(1, "1").parse().unwrap());
     let (forces, units) = (argument(2, "springs"), argument(3, "best"));
-    let [columns, rows] = match size.as_str() {
-        "2k" => [100, 20],
-        "20k" => [320, 64],
-        "200k" => [1000, 200],
-        "2M" => [2000, 1000],
-        other => {
-            let (columns, rows) = other.split_once('x').unwrap();
-            [columns.parse().unwrap(), rows.parse().unwrap()]
-        }
+    let size = match size.as_str() {
+        "2k" => "100x20",
+        "20k" => "320x64",
+        "200k" => "1000x200",
+        "2M" => "2000x1000",
+        other => other,
     };
-    let mesh = lattice::rectangle(columns - 1, rows - 1, 1.0).unwrap();
-    let (body, system) = problem(&mesh, &forces);
-    let springs = mesh.springs.len();
     let units = match units.as_str() {
         "avx512" => Units::Avx512,
         "avx2" => Units::Avx2,
         "portable" => Units::Portable,
         _ => Units::best(),
     };
+    let shape: Vec<usize> = size.split('x').map(|count| count.parse().unwrap()).collect();
+    match shape[..] {
+        [columns, rows] => {
+            let mesh = lattice::rectangle(columns - 1, rows - 1, 1.0).unwrap();
+            let law = AreaPreservation::new(&mesh, AreaLaw::Gradient, 0.5);
+            measure(&mesh, Box::new(law), (&forces, size), threads, units);
+        }
+        [columns, rows, layers] => {
+            let mesh = cubes::block([columns, rows, layers].map(|count| count - 1), 1.0).unwrap();
+            let law = VolumePreservation::new(&mesh, cubes::TETRAHEDRA_OF_A_CUBE, 0.5);
+            measure(&mesh, Box::new(law), (&forces, size), threads, units);
+        }
+        _ => panic!("two or three numbers of masses"),
+    }
+}
+
+/// Prints the speed of one lattice.
+fn measure<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    law: Box<dyn Force<D>>,
+    (forces, size): (&str, &str),
+    threads: usize,
+    units: Units,
+) {
+    let (body, system) = problem(mesh, law, forces);
+    let springs = mesh.springs.len();
     let mut motion = Start::new(&system, body, mesh.lattice.as_ref().unwrap(), threads, units);
     motion.stencil.advance(199, [TENSION; 2]).unwrap();
-    let check = motion.check(&mesh);
+    let check = motion.check(mesh);
 
     // As many steps as take about half a second; then the median of five runs of two seconds.
     let mut steps = 16;
-    let seconds = |stencil: &mut Stencil, steps: usize| {
+    let seconds = |stencil: &mut Stencil<D>, steps: usize| {
         let start = Instant::now();
         stencil.advance(steps, [TENSION; 2]).unwrap();
         start.elapsed().as_secs_f64()
@@ -73,7 +94,7 @@ fn main() {
         (0..5).map(|_| (springs * steps) as f64 / seconds(&mut motion.stencil, steps)).collect();
     rates.sort_by(f64::total_cmp);
     println!(
-        "{{\"peer\": \"myospring-{forces}\", \"units\": \"{units:?}\", \"nx\": {columns}, \"ny\": {rows}, \
+        "{{\"peer\": \"myospring-{forces}\", \"units\": \"{units:?}\", \"size\": \"{size}\", \
          \"springs\": {springs}, \"threads\": {}, \"prec\": \"f64\", \"steps\": {steps}, \
          \"sups\": {:.6e}, \"sups_min\": {:.6e}, \"sups_max\": {:.6e}, \"check\": [{:.12}, {:.12}]}}",
         motion.stencil.threads(),
@@ -86,7 +107,11 @@ fn main() {
 }
 
 /// The peers' lattice under the asked forces.
-fn problem(mesh: &Mesh, forces: &str) -> (Body, System) {
+fn problem<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    law: Box<dyn Force<D>>,
+    forces: &str,
+) -> (Body<D>, System<D>) {
     let varied = forces == "fields";
     let vary = |i: usize| if varied { 1.0 + 0.1 * (0.7 * i as f64).sin() } else { 1.0 };
     let masses: Vec<f64> = (0..mesh.len()).map(vary).collect();
@@ -95,7 +120,7 @@ fn problem(mesh: &Mesh, forces: &str) -> (Body, System) {
         .iter()
         .map(|pair| {
             let [a, b] = pair.map(|node| mesh.point(node as usize));
-            (b[0] - a[0]).hypot(b[1] - a[1])
+            a.iter().zip(b).map(|(a, b)| b - a).fold(0.0, f64::hypot)
         })
         .collect();
     let stiffness = nodes.iter().map(|pair| vary(pair[0] as usize)).collect();
@@ -108,34 +133,39 @@ fn problem(mesh: &Mesh, forces: &str) -> (Body, System) {
         support: Support::Free,
     };
     if forces != "springs" {
-        system.passive.push(Box::new(AreaPreservation::new(mesh, AreaLaw::Gradient, 0.5)));
+        system.passive.push(law);
         let angle = |i: usize| if varied { 0.3 + 0.2 * (0.01 * i as f64).sin() } else { 0.3 };
-        let fibres: Vec<[f64; 2]> =
-            (0..mesh.simplices.len()).map(|i| [angle(i).cos(), angle(i).sin()]).collect();
+        let fibres: Vec<[f64; D]> = (0..mesh.simplices.len())
+            .map(|i| {
+                let (sine, cosine) = angle(i).sin_cos();
+                std::array::from_fn(|axis| [cosine, sine, 0.0][axis])
+            })
+            .collect();
         system.active.push(Box::new(FibreTension::new(mesh, &fibres, 1.0)));
         system.drag.rate = 0.01;
     }
     let mut body = Body { positions: mesh.points.clone(), velocities: zeros(mesh.len()), masses };
     let cells = &mesh.lattice.as_ref().unwrap().cells;
-    for (node, &[column, row]) in cells.iter().enumerate() {
-        let (i, j) = (f64::from(column), f64::from(row));
-        body.positions[0][node] += 0.05 * (0.37 * i + 0.61 * j).sin();
-        body.positions[1][node] += 0.05 * (0.53 * i - 0.29 * j + 1.0).sin();
+    for (node, cell) in cells.iter().enumerate() {
+        let (i, j) = (f64::from(cell[0]), f64::from(cell[1]));
+        let k = cell.get(2).map_or(0.0, |layer| f64::from(*layer));
+        body.positions[0][node] += 0.05 * (0.37 * i + 0.61 * j + 0.43 * k).sin();
+        body.positions[1][node] += 0.05 * (0.53 * i - 0.29 * j + 0.71 * k + 1.0).sin();
     }
     (body, system)
 }
 
 /// The kernel after its first step, which starts from velocities at the full step.
-struct Start {
-    stencil: Stencil,
+struct Start<const D: usize> {
+    stencil: Stencil<D>,
     count: usize,
 }
 
-impl Start {
+impl<const D: usize> Start<D> {
     fn new(
-        system: &System,
-        mut body: Body,
-        lattice: &Lattice,
+        system: &System<D>,
+        mut body: Body<D>,
+        lattice: &Lattice<D>,
         threads: usize,
         units: Units,
     ) -> Self {
@@ -149,7 +179,7 @@ impl Start {
         for force in system.passive.iter().chain(&system.active) {
             Force::add_forces(&**force, &at, &mut forces);
         }
-        for axis in 0..2 {
+        for axis in 0..D {
             for node in 0..body.len() {
                 let velocity = 0.5 * TIME_STEP * forces[axis][node] / body.masses[node];
                 body.velocities[axis][node] = velocity;
@@ -161,17 +191,11 @@ impl Start {
     }
 
     /// Sums of squared displacements and of squared half-step velocities.
-    fn check(&mut self, mesh: &Mesh) -> [f64; 2] {
+    fn check<const N: usize>(&mut self, mesh: &Mesh<D, N>) -> [f64; 2] {
         let (mut positions, mut velocities) = (zeros(self.count), zeros(self.count));
         self.stencil.read_half_step(&mut positions, &mut velocities);
-        let displacement = |axis: usize| {
-            positions[axis]
-                .iter()
-                .zip(&mesh.points[axis])
-                .map(|(x, r)| (x - r).powi(2))
-                .sum::<f64>()
-        };
-        let square = |axis: usize| velocities[axis].iter().map(|v| v * v).sum::<f64>();
-        [displacement(0) + displacement(1), square(0) + square(1)]
+        let places = positions.iter().flatten().zip(mesh.points.iter().flatten());
+        let velocities = velocities.iter().flatten();
+        [places.map(|(x, r)| (x - r).powi(2)).sum(), velocities.map(|v| v * v).sum()]
     }
 }

