@@ -154,19 +154,25 @@ impl Folder {
     }
 
     /// Names of all files that were written.
-    pub fn names(&self) -> BTreeSet<String> {
+    fn names(&self) -> BTreeSet<String> {
         self.written().keys().cloned().collect()
     }
 
-    /// Deletes all files written except these.
-    pub fn withdraw_all_but(&self, names: &BTreeSet<String>) {
-        self.written().retain(|name, _| {
-            let stays = names.contains(name);
-            if !stays {
-                self.delete(name);
-            }
-            stays
-        });
+    /// The same folder with a count of its own: [`Folder::include`] adds what it has written, or [`Folder::withdraw`] deletes it.
+    pub(super) fn apart(&self) -> Self {
+        Self { written: Arc::default(), ..self.clone() }
+    }
+
+    /// Counts the files of a part that was apart.
+    pub(super) fn include(&self, part: &Self) {
+        self.written().append(&mut part.written());
+    }
+
+    /// Deletes all files written.
+    pub(super) fn withdraw(&self) {
+        for name in std::mem::take(&mut *self.written()).keys() {
+            self.delete(name);
+        }
     }
 
     fn delete(&self, name: &str) {

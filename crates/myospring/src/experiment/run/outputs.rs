@@ -162,32 +162,32 @@ impl WrittenOutputs {
     }
 }
 
-/// Writes outputs one after the other. One that fails leaves no file, does not affect the others,
+/// Writes outputs, on all cores. One that fails leaves no file, does not affect the others,
 /// and is recorded with the reason.
 pub(super) fn write(
     folder: &Folder,
     outputs: &[&Output],
     finished: &Finished<'_>,
 ) -> WrittenOutputs {
-    let mut record = WrittenOutputs::default();
-    for output in outputs {
-        let (start, before, names) = (Stopwatch::start(), folder.bytes(), folder.names());
+    let one = |output: &&Output| {
+        let (start, part) = (Stopwatch::start(), folder.apart());
         let outcome = if output.is_drawn && finished.observer.is_late() {
             Err(ExperimentError::new("it is left out, since the program was interrupted"))
         } else {
-            (output.write)(folder, finished)
+            (output.write)(&part, finished)
         };
         if outcome.is_err() {
-            folder.withdraw_all_but(&names);
+            part.withdraw();
         }
         let written = Written {
             seconds: start.elapsed().as_secs_f64(),
-            bytes: folder.bytes() - before,
+            bytes: part.bytes(),
             error: outcome.err().map(|failure| failure.to_string()),
         };
-        record.0.insert(output.word, written);
-    }
-    record
+        folder.include(&part);
+        (output.word, written)
+    };
+    WrittenOutputs(outputs.par_iter().map(one).collect())
 }
 
 /// A size for people: `8 kB`, `1.2 MB`.
