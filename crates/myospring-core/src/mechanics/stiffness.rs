@@ -5,7 +5,6 @@
 //! [`super::Force::add_stiffness`].
 
 use super::vectors::{Vectors, add_scaled, zeros};
-use std::array::from_fn;
 use std::ops::Range;
 
 /// Half of a thick body with fewer nodes is not worth a second thread.
@@ -71,25 +70,29 @@ impl<const D: usize> StiffnessMatrix<D> {
     ///
     /// # Panics
     /// If a node does not exist.
+    #[inline]
     pub fn add(&mut self, a: usize, b: usize, block: Block<D>) {
-        let mirrored = || from_fn(|i| from_fn(|j| block[j][i]));
-        let (row, column, block) = if a <= b { (a, b, block) } else { (b, a, mirrored()) };
-        assert!(column < self.rows.len(), "node {column} of {}", self.rows.len());
-        let row = &mut self.rows[row];
-        let Row { partners, blocks } = row;
-        let place = partners.iter().position(|other| *other >= column).unwrap_or(partners.len());
-        if partners.get(place) == Some(&column) {
-            let sum = &mut blocks[place];
-            for i in 0..D {
-                for j in 0..D {
-                    sum[i][j] += block[i][j];
-                }
+        let sum = self.block(a.min(b), a.max(b));
+        for i in 0..D {
+            for j in 0..D {
+                sum[i][j] += if a <= b { block[i][j] } else { block[j][i] };
             }
-        } else {
+        }
+    }
+
+    /// The block of two nodes, the second of which is not less; of zeros if they have not interacted yet.
+    #[inline]
+    fn block(&mut self, row: usize, column: usize) -> &mut Block<D> {
+        assert!(column < self.rows.len(), "node {column} of {}", self.rows.len());
+        let Row { partners, blocks } = &mut self.rows[row];
+        let place = partners.iter().position(|other| *other >= column).unwrap_or(partners.len());
+        if partners.get(place) != Some(&column) {
             partners.insert(place, column);
-            blocks.insert(place, block);
+            // A sum that starts with -0 has the bits of its first part.
+            blocks.insert(place, [[-0.0; D]; D]);
             self.blocks += 1;
         }
+        &mut blocks[place]
     }
 
     /// Adds a symmetric block that acts on the vector between two nodes, nN/um.
@@ -99,7 +102,12 @@ impl<const D: usize> StiffnessMatrix<D> {
     pub fn add_pair(&mut self, a: usize, b: usize, block: Block<D>) {
         self.add(a, a, block);
         self.add(b, b, block);
-        self.add(a, b, block.map(|row| row.map(|value| -value)));
+        let sum = self.block(a.min(b), a.max(b));
+        for i in 0..D {
+            for j in 0..D {
+                sum[i][j] -= block[i][j];
+            }
+        }
     }
 
     /// Adds another matrix.
@@ -164,6 +172,7 @@ impl<const D: usize> StiffnessMatrix<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::array::from_fn;
 
     /// Blocks between a node and some after it, all different.
     fn some(count: usize, distances: &[usize]) -> StiffnessMatrix<3> {

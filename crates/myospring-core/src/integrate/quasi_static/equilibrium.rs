@@ -50,8 +50,10 @@ const ITERATIONS: usize = 25;
 /// another one that it is tied to; with a rounded factor a part of the displacements, in the norm of the stiffness.
 const INEXACT: f64 = 1e-5;
 const EXACT: f64 = 1e-10;
-/// The same with a stiffness near one whose factor is known, for a correction: Newton's method leaves more of it.
+/// The same with a stiffness near one whose factor is known, for a correction: Newton's method leaves more of it, of the first one of a thick
+/// body much more.
 const NEARLY: f64 = 1e-3;
+const FIRST_NEARLY: f64 = 1e-2;
 /// The same for a slope of a flat and of a thick body, which is kept: far below what the interpolation between two tensions may be off. Between
 /// tensions that differ by `h` a relative error `e` of slopes moves it by at most `e h |slope| / 4`, where `h |slope|` is some
 /// hundredths of the length.
@@ -305,10 +307,12 @@ impl<'a, const D: usize> Solver<'a, D> {
         &mut self,
         forces: &Vectors<D>,
         tolerance: f64,
+        is_first: bool,
         renews: bool,
     ) -> Result<(Vectors<D>, bool), Failure> {
         if !self.is_factor {
-            match nearby::solve(&self.factor, &self.stiffness, forces, NEARLY, tolerance) {
+            let part = if D > 2 && is_first { FIRST_NEARLY } else { NEARLY };
+            match nearby::solve(&self.factor, &self.stiffness, forces, part, tolerance) {
                 Nearby::Solved(moved) => return Ok((moved, true)),
                 Nearby::Indefinite(moved) if !renews => {
                     return Ok((moved, false));
@@ -450,7 +454,8 @@ impl<'a, const D: usize> Solver<'a, D> {
                 }
                 (factorised, _) => factorised?,
             }
-            let (correction, near) = self.correct(&forces, tolerance, indefinite >= INDEFINITE)?;
+            let (correction, near) =
+                self.correct(&forces, tolerance, corrections.is_empty(), indefinite >= INDEFINITE)?;
             indefinite += usize::from(!near);
             let largest = largest(&correction);
             if !largest.is_finite() {
