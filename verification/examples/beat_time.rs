@@ -17,11 +17,11 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let number = |index: usize| arguments.get(index).and_then(|text| text.parse::<f64>().ok());
     let mesh = lattice::from_outline(&built_in::adult_ventricular(), number(1)).unwrap().0;
-    let masses = mesh.len();
+    let (masses, springs) = (mesh.len(), mesh.springs.len());
     let mut simulation = Simulation::new(mesh);
     simulation.duration = number(0).unwrap_or(600.0);
     simulation.numerics.engine.threads =
-        number(2).map_or_else(|| worthwhile_threads(masses), |threads| threads as usize);
+        number(2).map_or_else(|| worthwhile_threads(springs), |threads| threads as usize);
     let prepared = simulation.prepare().unwrap();
     let start = Instant::now();
     let outcome = prepared.run(|_| true);

@@ -13,7 +13,7 @@
 //!   record (on the rim, or everywhere if a field is not uniform).
 //! - Each spring is evaluated once; see `sweep.rs`, `squares.rs` and `cubes.rs`. On AVX-512 the inverse length is computed by an
 //!   estimate and a series, at a third of the cost of a root and a division.
-//! - A mesh larger than the cache is swept once for several steps, each a row (in space a layer) behind the last.
+//! - A mesh larger than the cache is swept once for several steps, each a row (in space a layer and a row) behind the last.
 //! - Several threads share the mesh in bands of rows; see `bands.rs` and `team.rs`. Results are
 //!   bitwise the same for any number of threads, but not for other vector units (FMA rounds once,
 //!   others round twice).
@@ -33,7 +33,7 @@ mod terms;
 mod tiles;
 
 pub use lanes::Units;
-use plan::Plan;
+use plan::{BLOCK, Plan};
 
 use super::stepper::StepError;
 use crate::mechanics::support::Support;
@@ -67,12 +67,16 @@ fn plan<const D: usize>(
     lattice: &Lattice<D>,
     time_step: f64,
 ) -> Result<Plan<D>, Unsupported> {
+    if D > 2 && lattice.shape[1] < 2 {
+        return Err(Unsupported("a lattice in space with a single row".to_owned()));
+    }
     let mut terms = LatticeTerms::new(lattice);
     for force in system.forces() {
         let law = force.on_lattice();
         let law = law.ok_or_else(|| Unsupported(format!("the force `{}`", force.name())))?;
         if !terms.add(law) {
-            return Err(Unsupported(format!("the force `{}` off the lattice", force.name())));
+            let what = format!("the force `{}` in this form on this lattice", force.name());
+            return Err(Unsupported(what));
         }
     }
     if system.support == Support::MassCentre && !system.is_internal() {
@@ -121,6 +125,10 @@ impl<const D: usize> Stencil<D> {
     /// Sets the state: positions (um) and velocities at the last half step (um/ms).
     pub fn put(&mut self, positions: &Vectors<D>, half_velocities: &Vectors<D>) {
         let (plan, state, _) = self.team.parts();
+        // Places without a mass, too: a motion that blew up has reached them.
+        for (values, vacant) in state.chunks_exact_mut(BLOCK).zip(&plan.vacant) {
+            values.copy_from_slice(&vacant.0);
+        }
         let rows = positions.iter().chain(half_velocities).enumerate();
         for (component, values) in rows {
             for (place, value) in plan.places.iter().zip(values) {

@@ -154,7 +154,7 @@ impl Folder {
     }
 
     /// Names of all files that were written.
-    fn names(&self) -> BTreeSet<String> {
+    pub fn names(&self) -> BTreeSet<String> {
         self.written().keys().cloned().collect()
     }
 

@@ -50,9 +50,9 @@ const ITERATIONS: usize = 25;
 /// another one that it is tied to; with a rounded factor a part of the displacements, in the norm of the stiffness.
 const INEXACT: f64 = 1e-5;
 const EXACT: f64 = 1e-10;
-/// The same with a stiffness near one whose factor is known, for a correction: Newton's method leaves more of it, of the first one of a thick
-/// body much more.
+/// The same with a stiffness near one whose factor is known, for a correction: Newton's method leaves more of it.
 const NEARLY: f64 = 1e-3;
+/// The same for the first correction of a thick body, of which Newton's method leaves most.
 const FIRST_NEARLY: f64 = 1e-2;
 /// The same for a slope of a flat and of a thick body, which is kept: far below what the interpolation between two tensions may be off. Between
 /// tensions that differ by `h` a relative error `e` of slopes moves it by at most `e h |slope| / 4`, where `h |slope|` is some

@@ -145,9 +145,9 @@ unsafe fn swell<L: Lanes>(
 
 /// Cubes that were evaluated.
 struct Pulled<V> {
-    /// Minus the forces on all corners but the least one, of which they are the force.
+    /// Minus the forces on the corners 1 to 7. Their sum is the force on corner 0, whose own entry stays zero.
     pulls: Corners<V>,
-    /// Place and velocity of the least corner.
+    /// Place and velocity of corner 0.
     a: [V; 3],
     va: [V; 3],
 }
@@ -192,7 +192,7 @@ unsafe fn cubes<L: Lanes, T: Terms<L>, const LAWS: u8>(
 /// A pass over one row.
 ///
 /// # Safety
-/// As for the pass over squares; `carry` has `lag` rows.
+/// As for the pass over squares.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(

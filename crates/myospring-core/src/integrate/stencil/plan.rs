@@ -64,8 +64,8 @@ impl Class {
 pub(super) struct Plan<const D: usize = 2> {
     /// Rows of all layers.
     pub(super) rows: usize,
-    /// Rows from one to the furthest above it that a square or cube of it touches, which is how far a step trails
-    /// the previous one: 1, or one more than a layer has.
+    /// The squares or cubes of a row reach this many rows further up: 1, or one more than a layer has. A step trails the
+    /// previous one by as much.
     pub(super) lag: usize,
     /// Blocks in a row.
     pub(super) blocks: usize,

@@ -93,8 +93,8 @@ unsafe fn squares<L: Lanes, T: Terms<L>, const LAWS: u8>(
 /// A pass over one row.
 ///
 /// # Safety
-/// The pointers of `row` must be good for the layout of `plan`, `lower`, `carry` and `out` not shared with another thread, and the processor must have the features of
-/// `L`.
+/// The pointers of `row` must be good for the layout of `plan`, with `lag` rows above `lower`. No other thread may use `lower`,
+/// `carry` and `out` or write these rows meanwhile. The processor must have the features of `L`.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(

@@ -28,8 +28,8 @@ pub(super) struct Row<'a> {
     pub(super) blocks: Range<usize>,
     /// State of the row: places, and velocities at the half step; those of the rows above follow.
     pub(super) lower: *mut f64,
-    /// Carried forces on the `lag` rows from this one on: on entry those from below, on return those on the rows
-    /// above, of which the furthest takes the place of this one.
+    /// Carried forces on `lag` rows; those on row `r` are in row `r % lag`. On entry they are those on this row and the next
+    /// ones, on return the furthest row above has taken the place of this one.
     pub(super) carry: *mut f64,
     /// Those of the square to the left of the first block.
     pub(super) left: Handover,

@@ -220,8 +220,7 @@ impl<const D: usize> LatticeTerms<D> {
         from_fn(|axis| self.origin[axis] + self.spacing * cell[axis] as f64)
     }
 
-    /// Arranges the coefficients for a sweep; `None` if the four triangles of a square differ, or
-    /// if a support needs more than fixed nodes.
+    /// Arranges the coefficients for a sweep; `None` if the four triangles of a square differ.
     pub(super) fn plan(
         &self,
         masses: &[f64],

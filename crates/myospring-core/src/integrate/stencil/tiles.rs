@@ -33,7 +33,7 @@ use std::ops::Range;
 /// Bytes that a tile's window of rows may take: three quarters of a second-level cache of 1 MiB.
 const CACHE: usize = 3 << 18;
 
-/// Steps that share a sweep of a large mesh.
+/// Steps that share a sweep of a large flat mesh.
 const DEEP: usize = 8;
 
 /// Bands per thread: with more than two, a thread may be ahead or behind without waiting.
@@ -76,7 +76,7 @@ pub(super) struct Tiling {
 }
 
 impl Tiling {
-    /// Divides a lattice: a mesh that fits into the threads' caches is one tile, a larger one has
+    /// Divides a lattice: a mesh that fits into the threads' caches is one tile, a larger flat one has
     /// tiles that fit.
     pub(super) fn new<const D: usize>(plan: &Plan<D>, threads: usize) -> Self {
         let blocks = plan.blocks;
@@ -363,6 +363,7 @@ impl<const D: usize> Piece<'_, D> {
     ) {
         let Tiles { plan, tiling, handovers, .. } = self.tiles;
         let [first, last] = plan.spans[index];
+        let whole = blocks.start..blocks.end.min(plan.blocks);
         let blocks = blocks.start.max(first)..blocks.end.min(last);
         let handover =
             |tile: usize| handovers[(tile * tiling.depth + step) * plan.rows + index].get();
@@ -370,16 +371,16 @@ impl<const D: usize> Piece<'_, D> {
         unsafe {
             let left = if tile > 0 { *handover(tile - 1) } else { [0.0; 4] };
             let right = &mut *handover(tile);
-            if blocks.is_empty() {
-                *right = left;
-                return;
-            }
             let carry = self.carries.start.add(step * plan.lag * D * plan.stride);
             if index == 0 {
                 for part in 0..plan.lag * D {
-                    let start = carry.add(part * plan.stride + blocks.start * BLOCK);
-                    std::ptr::write_bytes(start, 0, blocks.len() * BLOCK);
+                    let start = carry.add(part * plan.stride + whole.start * BLOCK);
+                    std::ptr::write_bytes(start, 0, whole.len() * BLOCK);
                 }
+            }
+            if blocks.is_empty() {
+                *right = left;
+                return;
             }
             let lower = self.tiles.state.start.add(index * plan.row_len());
             let out = self.tiles.seen.start.add(index * plan.row_len() / 2);
@@ -390,6 +391,8 @@ impl<const D: usize> Piece<'_, D> {
                 squares::pass::<L, LAWS, PURPOSE>(plan, tension, row);
             } else if let Some(plan) = plan.downcast_ref::<Plan<3>>() {
                 cubes::pass::<L, LAWS, PURPOSE>(plan, tension, row);
+            } else {
+                unreachable!("lattices have two or three axes");
             }
         }
     }

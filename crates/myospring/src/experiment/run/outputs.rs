@@ -31,8 +31,7 @@ pub struct Output {
     write: fn(&Folder, &Finished<'_>) -> Result<(), ExperimentError>,
 }
 
-/// The outputs in the order in which they are written; people are asked to open the first that can
-/// be opened.
+/// The outputs; people are asked to open the first that can be opened.
 pub const OUTPUTS: [Output; 8] = [
     Output {
         word: "report",
@@ -118,7 +117,7 @@ pub fn chosen(words: Option<&[String]>) -> Result<Vec<&'static Output>, Experime
     Ok(OUTPUTS.iter().filter(|output| named(output.word) || named(ALL)).collect())
 }
 
-/// Time and size of an output.
+/// Time from its begin to its end, beside the others, and size of an output.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Written {
     seconds: f64,
