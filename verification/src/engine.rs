@@ -40,13 +40,13 @@ impl Engine {
     ///
     /// # Errors
     /// The fused kernel does not take this mesh or these forces.
-    pub fn motion<'a>(
+    pub fn motion<'a, const D: usize, const N: usize>(
         self,
-        mesh: &Mesh,
-        system: &'a System,
-        body: Body,
+        mesh: &Mesh<D, N>,
+        system: &'a System<D>,
+        body: Body<D>,
         step: f64,
-    ) -> Result<Box<dyn Stepper + 'a>, Failure> {
+    ) -> Result<Box<dyn Stepper<D> + 'a>, Failure> {
         Ok(match self {
             Self::Plain(integrator) => Box::new(Motion::new(system, body, integrator, step)),
             Self::Fused(threads) => {

@@ -66,7 +66,7 @@ fn plan<const D: usize>(
     body: &Body<D>,
     lattice: &Lattice<D>,
     time_step: f64,
-) -> Result<Plan<D>, Unsupported> {
+) -> Result<Plan, Unsupported> {
     if D > 2 && lattice.shape[1] < 2 {
         return Err(Unsupported("a lattice in space with a single row".to_owned()));
     }
@@ -89,7 +89,7 @@ fn plan<const D: usize>(
 
 /// A lattice of masses in motion.
 pub struct Stencil<const D: usize = 2> {
-    team: Team<D>,
+    team: Team,
 }
 
 impl<const D: usize> Stencil<D> {
@@ -158,10 +158,10 @@ impl<const D: usize> Stencil<D> {
         self.team.obey(Command::Look { tension })?;
         let (plan, _, seen) = self.team.parts();
         // A row of `seen` is half as long as one of the state.
-        let half = plan.row_len() / 2;
+        let half = plan.row_len / 2;
         for (axis, values) in velocities.iter_mut().enumerate() {
             for (place, value) in plan.places.iter().zip(values) {
-                *value = seen[place - place / plan.row_len() * half + axis * plan.stride];
+                *value = seen[place - place / plan.row_len * half + axis * plan.stride];
             }
         }
         Ok(())

@@ -196,7 +196,7 @@ unsafe fn cubes<L: Lanes, T: Terms<L>, const LAWS: u8>(
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
-    plan: &Plan<3>,
+    plan: &Plan,
     tension: f64,
     row: Row<'_>,
 ) {
@@ -208,7 +208,7 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         let minus_rest_length = plan.rest_length.map(|value| L::splat(-value));
         let rest = L::splat(plan.rest_measure);
         let zero = [L::splat(0.0); 3];
-        let above = |rows: usize| row.lower.cast_const().add(rows * plan.row_len());
+        let above = |rows: usize| row.lower.cast_const().add(rows * plan.row_len);
         let upper = [above(0), above(1), above(lag - 1), above(lag)];
         let carried = |rows: usize| row.carry.add((row.index + rows) % lag * 3 * stride);
         let carried = [carried(0), carried(1), carried(lag - 1)];

@@ -61,7 +61,8 @@ impl Class {
 /// A row of the state has the coordinates and then the components of the half-step velocity, each `stride` values
 /// long; there are `lag` rows of padding on top.
 #[derive(Debug, Clone)]
-pub(super) struct Plan<const D: usize = 2> {
+pub(super) struct Plan {
+    pub(super) axes: usize,
     /// Rows of all layers.
     pub(super) rows: usize,
     /// The squares or cubes of a row reach this many rows further up: 1, or one more than a layer has. A step trails the
@@ -69,8 +70,12 @@ pub(super) struct Plan<const D: usize = 2> {
     pub(super) lag: usize,
     /// Blocks in a row.
     pub(super) blocks: usize,
-    /// Values in a row, with a block of padding on the right.
+    /// Values of a component in a row, with a block of padding on the right.
     pub(super) stride: usize,
+    /// Values in one row of the state: coordinates and velocities.
+    pub(super) row_len: usize,
+    /// Blocks in a record, [`Record::LEN`].
+    pub(super) record_len: usize,
     /// First block of each row's pass, and the one after the last.
     pub(super) spans: Vec<[usize; 2]>,
     /// By row and block.
@@ -89,7 +94,7 @@ pub(super) struct Plan<const D: usize = 2> {
     /// `1/(1 + g)`
     pub(super) slowing: f64,
     /// Springs from places to their resting positions, if any: stiffness (nN/um) and the
-    /// resting coordinates (um), `1 + D` strides for each row.
+    /// resting coordinates (um), one more stride than there are axes for each row.
     pub(super) anchors: Vec<Block>,
     /// Which of [`laws`] act.
     pub(super) laws: u8,
@@ -99,14 +104,9 @@ pub(super) struct Plan<const D: usize = 2> {
     pub(super) vacant: Vec<Block>,
 }
 
-impl<const D: usize> Plan<D> {
+impl Plan {
     /// The coefficients of a block that has its own.
     pub(super) fn record(&self, class: Class) -> *const f64 {
-        self.records[(class.0 as usize - 2) * Record::<D>::LEN..].as_ptr().cast()
-    }
-
-    /// Values in one row of the state.
-    pub(super) fn row_len(&self) -> usize {
-        2 * D * self.stride
+        self.records[(class.0 as usize - 2) * self.record_len..].as_ptr().cast()
     }
 }

@@ -111,7 +111,7 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         let rest = L::splat(plan.rest_measure);
         let zero = L::splat(0.0);
 
-        let above = row.lower.cast_const().add(plan.row_len());
+        let above = row.lower.cast_const().add(plan.row_len);
         let [bx, by, cx, cy] = row.left.map(|value| L::splat(value));
         let mut before = ([bx, by], [cx, cy]);
         for block in row.blocks {

@@ -71,7 +71,7 @@ impl<L: Lanes> Uniform<L> {
     /// The coefficients of a place inside a uniform cell under a tension.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-    pub(super) unsafe fn of<const D: usize, const LAWS: u8>(plan: &Plan<D>, tension: f64) -> Self {
+    pub(super) unsafe fn of<const D: usize, const LAWS: u8>(plan: &Plan, tension: f64) -> Self {
         let common = &plan.uniform[..Record::<D>::LEN];
         // SAFETY: the caller has the features of L.
         unsafe {
@@ -192,7 +192,7 @@ pub(super) struct Step<L: Lanes> {
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 impl<L: Lanes> Step<L> {
     #[inline(always)]
-    pub(super) unsafe fn of<const D: usize>(plan: &Plan<D>) -> Self {
+    pub(super) unsafe fn of(plan: &Plan) -> Self {
         // SAFETY: the caller has the features of L, here and below.
         unsafe {
             let (half, slowing) = (L::splat(0.5), L::splat(plan.slowing));
@@ -327,7 +327,7 @@ pub(super) unsafe fn store<L: Lanes, const D: usize>(
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 pub(super) unsafe fn anchored<L: Lanes, const D: usize>(
-    plan: &Plan<D>,
+    plan: &Plan,
     (row, at): (usize, usize),
     a: [L::V; D],
     mut force: [L::V; D],
@@ -347,21 +347,16 @@ pub(super) unsafe fn anchored<L: Lanes, const D: usize>(
 /// above it.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-pub(super) fn fetch_next<const D: usize>(
-    plan: &Plan<D>,
-    row: usize,
-    block: usize,
-    state: *const f64,
-) {
-    let furthest = state.wrapping_add((plan.lag + 1) * plan.row_len() + block * BLOCK);
-    for component in 0..2 * D {
+pub(super) fn fetch_next(plan: &Plan, row: usize, block: usize, state: *const f64) {
+    let furthest = state.wrapping_add((plan.lag + 1) * plan.row_len + block * BLOCK);
+    for component in 0..2 * plan.axes {
         prefetch(furthest.wrapping_add(component * plan.stride));
     }
     if let Some(&class) = plan.classes.get((row + 1) * plan.blocks + block)
         && class.0 > Class::UNIFORM.0
     {
         let record = plan.record(class);
-        for term in 0..Record::<D>::LEN {
+        for term in 0..plan.record_len {
             prefetch(record.wrapping_add(term * BLOCK));
         }
     }

@@ -38,8 +38,8 @@ const GRACE: Duration = Duration::from_micros(200);
 const SOLITUDE: u32 = 16;
 
 /// What the threads share.
-struct Shared<const D: usize> {
-    tiles: Tiles<D>,
+struct Shared {
+    tiles: Tiles,
     board: Board,
     threads: usize,
     /// Whether the workers may help.
@@ -51,16 +51,16 @@ struct Shared<const D: usize> {
 }
 
 /// Threads that step one lattice.
-pub(super) struct Team<const D: usize = 2> {
-    shared: Arc<Shared<D>>,
+pub(super) struct Team {
+    shared: Arc<Shared>,
     workers: Vec<JoinHandle<()>>,
     /// When the workers may help again.
     alone_until: Option<Instant>,
 }
 
-impl<const D: usize> Team<D> {
+impl Team {
     /// Starts threads for a lattice in the state [`Plan::vacant`].
-    pub(super) fn new(plan: Plan<D>, units: Units, threads: usize) -> Self {
+    pub(super) fn new(plan: Plan, units: Units, threads: usize) -> Self {
         let tiling = Tiling::new(&plan, threads.max(1));
         // With a single band each, threads could only take turns.
         let threads = threads.clamp(1, (tiling.starts.len() / 2).max(1));
@@ -76,7 +76,7 @@ impl<const D: usize> Team<D> {
         })
     }
 
-    fn at_work(shared: Shared<D>) -> Self {
+    fn at_work(shared: Shared) -> Self {
         let shared = Arc::new(shared);
         let worker = |index| {
             let shared = Arc::clone(&shared);
@@ -94,7 +94,7 @@ impl<const D: usize> Team<D> {
 
     /// The plan, the state in rows as [`Plan`] lays them out, and the velocities at the full step
     /// from the last [`Command::Look`], by row.
-    pub(super) fn parts(&mut self) -> (&Plan<D>, &mut [f64], &[f64]) {
+    pub(super) fn parts(&mut self) -> (&Plan, &mut [f64], &[f64]) {
         let tiles = &self.shared.tiles;
         // SAFETY: `&mut self`, and no thread is at work between commands.
         let (state, seen) = unsafe { tiles.values() };
@@ -177,7 +177,7 @@ impl<const D: usize> Team<D> {
     }
 }
 
-impl<const D: usize> Drop for Team<D> {
+impl Drop for Team {
     fn drop(&mut self) {
         self.shared.quit.store(true, Ordering::Release);
         self.wake();
@@ -188,7 +188,7 @@ impl<const D: usize> Drop for Team<D> {
     }
 }
 
-impl<const D: usize> Shared<D> {
+impl Shared {
     /// The main loop of a worker.
     fn serve(&self, index: usize) {
         loop {

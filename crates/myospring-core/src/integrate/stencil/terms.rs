@@ -227,7 +227,7 @@ impl<const D: usize> LatticeTerms<D> {
         drag_rate: f64,
         support: &Support,
         time_step: f64,
-    ) -> Option<Plan<D>> {
+    ) -> Option<Plan> {
         let [columns, ref others @ ..] = self.shape[..] else { return None };
         let rows: usize = others.iter().product();
         let g = 0.5 * drag_rate * time_step;
@@ -265,10 +265,13 @@ impl<const D: usize> LatticeTerms<D> {
         };
         let lag = above[above.len() - 1];
         Some(Plan {
+            axes: D,
             rows,
             lag,
             blocks,
             stride,
+            row_len,
+            record_len: Record::<D>::LEN,
             spans: spans(&classes, rows, blocks, &above),
             classes,
             records,

@@ -26,7 +26,6 @@ use super::lanes::{Lanes, Portable, Units};
 use super::plan::{BLOCK, Block, Plan, laws};
 use super::sweep::{Handover, Row, purpose};
 use super::{cubes, squares};
-use std::any::Any;
 use std::cell::UnsafeCell;
 use std::ops::Range;
 
@@ -78,20 +77,20 @@ pub(super) struct Tiling {
 impl Tiling {
     /// Divides a lattice: a mesh that fits into the threads' caches is one tile, a larger flat one has
     /// tiles that fit.
-    pub(super) fn new<const D: usize>(plan: &Plan<D>, threads: usize) -> Self {
+    pub(super) fn new(plan: &Plan, threads: usize) -> Self {
         let blocks = plan.blocks;
-        let state = 2 * D * size_of::<Block>();
+        let (flat, state) = (plan.axes == 2, 2 * plan.axes * size_of::<Block>());
         let records = size_of_val(&plan.records[..]) / (plan.rows * blocks);
         let fits = plan.rows * blocks * (state + records) <= CACHE * threads;
         // A layer is many rows, so that a deep sweep would take as much memory as the mesh, and leave few bands.
-        let depth = match (D, fits) {
-            (3.., true) if threads > 1 => 1,
-            (3.., _) | (_, true) => 2,
-            (_, false) => DEEP,
+        let depth = match (flat, fits) {
+            (false, true) if threads > 1 => 1,
+            (false, _) | (_, true) => 2,
+            (true, false) => DEEP,
         };
         let in_cache = CACHE / ((depth + 2) * (state + records));
         let widest = blocks + depth - 1;
-        let width = if fits || D > 2 { widest } else { widest.min(in_cache) }.max(depth);
+        let width = if fits || !flat { widest } else { widest.min(in_cache) }.max(depth);
         let bands = if threads > 1 { BANDS * threads } else { 1 };
         let least = depth * plan.lag;
         let starts = starts(plan, bands.clamp(1, (plan.rows / least).max(1)), least);
@@ -100,7 +99,7 @@ impl Tiling {
 }
 
 /// Bands of about the same work, of so many rows at least.
-fn starts<const D: usize>(plan: &Plan<D>, bands: usize, fewest: usize) -> Vec<usize> {
+fn starts(plan: &Plan, bands: usize, fewest: usize) -> Vec<usize> {
     let work = |row: usize| plan.spans[row][1] - plan.spans[row][0] + 1;
     let total: usize = (0..plan.rows).map(work).sum();
     let mut starts = vec![0];
@@ -146,8 +145,8 @@ impl Buffer {
 }
 
 /// The masses, their plan and buffers.
-pub(super) struct Tiles<const D: usize = 2> {
-    pub(super) plan: Plan<D>,
+pub(super) struct Tiles {
+    pub(super) plan: Plan,
     units: Units,
     tiling: Tiling,
     state: Buffer,
@@ -171,16 +170,16 @@ pub(super) struct Tiles<const D: usize = 2> {
 //   rows away, see `Tiling::starts`.
 // - A sweep is in one band at a time, so its `carries` have one reader and writer. There are as many as
 //   bands, and a sweep starts when the sweep as many before it has left the last band.
-unsafe impl<const D: usize> Sync for Tiles<D> {}
+unsafe impl Sync for Tiles {}
 // SAFETY: plain data.
-unsafe impl<const D: usize> Send for Tiles<D> {}
+unsafe impl Send for Tiles {}
 
-impl<const D: usize> Tiles<D> {
+impl Tiles {
     /// Starts in the state [`Plan::vacant`].
-    pub(super) fn new(plan: Plan<D>, units: Units, tiling: Tiling) -> Self {
+    pub(super) fn new(plan: Plan, units: Units, tiling: Tiling) -> Self {
         assert!(units.available(), "{units:?} is not available on this processor");
         let handovers = tiling.count * tiling.depth * plan.rows;
-        let carry = || Buffer::zeros(tiling.depth * plan.lag * D * plan.stride);
+        let carry = || Buffer::zeros(tiling.depth * plan.lag * plan.axes * plan.stride);
         Self {
             units,
             state: Buffer::new(plan.vacant.clone()),
@@ -229,7 +228,7 @@ impl<const D: usize> Tiles<D> {
             Units::Avx512 => unsafe { perform_avx512(self, band, sweeps) },
             #[cfg(target_arch = "x86_64")]
             Units::Avx2 => unsafe { perform_avx2(self, band, sweeps) },
-            _ => unsafe { perform_with_laws::<Portable, D>(self, band, sweeps) },
+            _ => unsafe { perform_with_laws::<Portable>(self, band, sweeps) },
         }
     }
 }
@@ -238,50 +237,42 @@ impl<const D: usize> Tiles<D> {
 /// As for [`Tiles::perform`], and the processor has AVX-512F.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
-unsafe fn perform_avx512<const D: usize>(tiles: &Tiles<D>, band: usize, sweeps: Range<u64>) {
+unsafe fn perform_avx512(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
     // SAFETY: as above.
-    unsafe { perform_with_laws::<Avx512, D>(tiles, band, sweeps) }
+    unsafe { perform_with_laws::<Avx512>(tiles, band, sweeps) }
 }
 
 /// # Safety
 /// As for [`Tiles::perform`], and the processor has AVX2 and FMA.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-unsafe fn perform_avx2<const D: usize>(tiles: &Tiles<D>, band: usize, sweeps: Range<u64>) {
+unsafe fn perform_avx2(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
     // SAFETY: as above.
-    unsafe { perform_with_laws::<Avx2, D>(tiles, band, sweeps) }
+    unsafe { perform_with_laws::<Avx2>(tiles, band, sweeps) }
 }
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn perform_with_laws<L: Lanes, const D: usize>(
-    tiles: &Tiles<D>,
-    band: usize,
-    sweeps: Range<u64>,
-) {
+unsafe fn perform_with_laws<L: Lanes>(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
     const A: u8 = laws::MEASURE;
     const F: u8 = laws::FIBRE;
     const N: u8 = laws::ANCHORS;
     // SAFETY: the caller's.
     unsafe {
         match tiles.plan.laws {
-            0 => perform::<L, D, 0>(tiles, band, sweeps),
-            A => perform::<L, D, A>(tiles, band, sweeps),
-            F => perform::<L, D, F>(tiles, band, sweeps),
-            3 => perform::<L, D, { A | F }>(tiles, band, sweeps),
+            0 => perform::<L, 0>(tiles, band, sweeps),
+            A => perform::<L, A>(tiles, band, sweeps),
+            F => perform::<L, F>(tiles, band, sweeps),
+            3 => perform::<L, { A | F }>(tiles, band, sweeps),
             // With anchors the rare combinations share a kernel; absent laws have no coefficients.
-            _ => perform::<L, D, { A | F | N }>(tiles, band, sweeps),
+            _ => perform::<L, { A | F | N }>(tiles, band, sweeps),
         }
     }
 }
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn perform<L: Lanes, const D: usize, const LAWS: u8>(
-    tiles: &Tiles<D>,
-    band: usize,
-    sweeps: Range<u64>,
-) {
+unsafe fn perform<L: Lanes, const LAWS: u8>(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
     // SAFETY: the command was written before the band could be claimed, and is not again before all are
     // done; for the rest the caller's.
     unsafe {
@@ -305,8 +296,8 @@ unsafe fn perform<L: Lanes, const D: usize, const LAWS: u8>(
 }
 
 /// One band of one sweep.
-struct Piece<'a, const D: usize> {
-    tiles: &'a Tiles<D>,
+struct Piece<'a> {
+    tiles: &'a Tiles,
     band: usize,
     /// Index within the command.
     sweep: usize,
@@ -315,7 +306,7 @@ struct Piece<'a, const D: usize> {
 
 /// All functions need the processor features of `L`, and that the piece is the caller's alone.
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-impl<const D: usize> Piece<'_, D> {
+impl Piece<'_> {
     /// The band's fronts, tile by tile.
     #[inline(always)]
     unsafe fn fronts<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
@@ -371,9 +362,9 @@ impl<const D: usize> Piece<'_, D> {
         unsafe {
             let left = if tile > 0 { *handover(tile - 1) } else { [0.0; 4] };
             let right = &mut *handover(tile);
-            let carry = self.carries.start.add(step * plan.lag * D * plan.stride);
+            let carry = self.carries.start.add(step * plan.lag * plan.axes * plan.stride);
             if index == 0 {
-                for part in 0..plan.lag * D {
+                for part in 0..plan.lag * plan.axes {
                     let start = carry.add(part * plan.stride + whole.start * BLOCK);
                     std::ptr::write_bytes(start, 0, whole.len() * BLOCK);
                 }
@@ -382,17 +373,14 @@ impl<const D: usize> Piece<'_, D> {
                 *right = left;
                 return;
             }
-            let lower = self.tiles.state.start.add(index * plan.row_len());
-            let out = self.tiles.seen.start.add(index * plan.row_len() / 2);
+            let lower = self.tiles.state.start.add(index * plan.row_len);
+            let out = self.tiles.seen.start.add(index * plan.row_len / 2);
             let fetch = step == 0 && tiling.large;
             let row = Row { index, blocks, lower, carry, left, right, out, fetch };
-            let plan: &dyn Any = plan;
-            if let Some(plan) = plan.downcast_ref::<Plan<2>>() {
-                squares::pass::<L, LAWS, PURPOSE>(plan, tension, row);
-            } else if let Some(plan) = plan.downcast_ref::<Plan<3>>() {
-                cubes::pass::<L, LAWS, PURPOSE>(plan, tension, row);
-            } else {
-                unreachable!("lattices have two or three axes");
+            match plan.axes {
+                2 => squares::pass::<L, LAWS, PURPOSE>(plan, tension, row),
+                3 => cubes::pass::<L, LAWS, PURPOSE>(plan, tension, row),
+                _ => unreachable!("lattices have two or three axes"),
             }
         }
     }
