@@ -162,6 +162,32 @@ fn assert_same_to_rounding<const D: usize>([plain, fused]: &[Body<D>; 2], what: 
     assert!(velocities < 1e-9, "{what}: velocities differ by {velocities} um/ms");
 }
 
+/// The same motion both ways: free, or held by the mass centre, clamped ends, a bed or springs at the ends.
+fn assert_same_however_held<const D: usize, const N: usize>(
+    mesh: &Mesh<D, N>,
+    axis: [f64; D],
+    held: usize,
+    problem: impl Fn(Support) -> (Body<D>, System<D>),
+    threads: usize,
+) {
+    let support = match held {
+        1 => Support::MassCentre,
+        2 => Support::new(SupportKind::ClampedEnds, mesh, axis),
+        _ => Support::Free,
+    };
+    let mut problem = problem(support);
+    match held {
+        3 => problem.1.passive.push(Box::new(Anchors::elastic_bed(mesh, 40.0))),
+        4 => problem.1.passive.push(Box::new(Anchors::spring_held_ends(mesh, axis, 900.0))),
+        _ => {}
+    }
+    let step = stable_step(&problem);
+    for units in available() {
+        let bodies = both_ways(mesh, &problem, (step, [7, 23]), threads, units);
+        assert_same_to_rounding(&bodies, &format!("{units:?} on {threads} threads"));
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
@@ -172,22 +198,7 @@ proptest! {
         let outline = built_in::adult_ventricular().rotated(angle);
         let mesh = lattice::from_outline(&outline, Some(spacing)).unwrap().0;
         let axis = quality::long_axis(&mesh);
-        let support = match held {
-            1 => Support::MassCentre,
-            2 => Support::new(SupportKind::ClampedEnds, &mesh, axis),
-            _ => Support::Free,
-        };
-        let mut problem = varied(&mesh, support, seed);
-        match held {
-            3 => problem.1.passive.push(Box::new(Anchors::elastic_bed(&mesh, 40.0))),
-            4 => problem.1.passive.push(Box::new(Anchors::spring_held_ends(&mesh, axis, 900.0))),
-            _ => {}
-        }
-        let step = stable_step(&problem);
-        for units in available() {
-            let bodies = both_ways(&mesh, &problem, (step, [7, 23]), threads, units);
-            assert_same_to_rounding(&bodies, &format!("{units:?} on {threads} threads"));
-        }
+        assert_same_however_held(&mesh, axis, held, |support| varied(&mesh, support, seed), threads);
     }
 
     #[test]
@@ -197,22 +208,7 @@ proptest! {
     ) {
         let mesh = ellipsoid([long, wide, high], spacing);
         let axis = [1.0, 0.0, 0.0];
-        let support = match held {
-            1 => Support::MassCentre,
-            2 => Support::new(SupportKind::ClampedEnds, &mesh, axis),
-            _ => Support::Free,
-        };
-        let mut problem = varied_in_space(&mesh, support, seed);
-        match held {
-            3 => problem.1.passive.push(Box::new(Anchors::elastic_bed(&mesh, 40.0))),
-            4 => problem.1.passive.push(Box::new(Anchors::spring_held_ends(&mesh, axis, 900.0))),
-            _ => {}
-        }
-        let step = stable_step(&problem);
-        for units in available() {
-            let bodies = both_ways(&mesh, &problem, (step, [7, 23]), threads, units);
-            assert_same_to_rounding(&bodies, &format!("{units:?} on {threads} threads"));
-        }
+        assert_same_however_held(&mesh, axis, held, |support| varied_in_space(&mesh, support, seed), threads);
     }
 }
 
