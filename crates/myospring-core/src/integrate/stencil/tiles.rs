@@ -98,7 +98,7 @@ impl Tiling {
     }
 }
 
-/// Bands of about the same work, of so many rows at least.
+/// Bands with about equal work, each of at least `fewest` rows.
 fn starts(plan: &Plan, bands: usize, fewest: usize) -> Vec<usize> {
     let work = |row: usize| plan.spans[row][1] - plan.spans[row][0] + 1;
     let total: usize = (0..plan.rows).map(work).sum();
