@@ -13,10 +13,10 @@ use super::sweep::{
     Field, Row, Step, Terms, Uniform, anchored, difference, fetch_next, load, pull, purpose, store,
 };
 
-/// Eight or fewer values of the corners' components.
+/// A vector for each corner of `N` cubes.
 type Corners<V> = [[V; 3]; 8];
 
-/// Adds to the pulls of two corners that of the spring between them.
+/// Adds the pull of the spring between two corners to both.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 unsafe fn tie<L: Lanes, T: Terms<L>, const DIRECTION: usize, const A: usize, const B: usize>(
@@ -54,11 +54,10 @@ unsafe fn cross<L: Lanes>(a: [L::V; 3], b: [L::V; 3], sum: [L::V; 3]) -> [L::V; 
     }
 }
 
-/// Adds to the pulls of the corners that of the volume law.
+/// Adds the pull of the volume law at each corner.
 ///
-/// The mean of both divisions of a cube into five tetrahedra has the volume of the trilinear cube: its sides are
-/// the ruled faces through four corners, between both of their divisions into triangles. With the sums over the
-/// corners `A_x = sum s_x r`, `H_x = sum s_y s_z r` and so on, `s = -1` or `1` on the lower and upper side,
+/// Averaged over both divisions into five tetrahedra, a cube has the volume of the trilinear cube: a ruled face through four
+/// corners halves what lies between its two divisions into triangles. With the sums over the corners `A_x = sum s_x r`, `H_x = sum s_y s_z r` and so on, `s = -1` or `1` on the lower and upper side,
 ///
 /// ```text
 /// 64 V = A_x.(A_y x A_z) + [A_x.(H_z x H_y) + A_y.(H_x x H_z) + A_z.(H_y x H_x)]/3

@@ -323,7 +323,7 @@ pub(super) unsafe fn store<L: Lanes, const D: usize>(
     }
 }
 
-/// The force with that of the springs to resting places.
+/// Adds the force of the springs to resting places.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
 pub(super) unsafe fn anchored<L: Lanes, const D: usize>(
