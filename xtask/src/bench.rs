@@ -14,7 +14,7 @@ Measure how fast Myospring is, beside other programs where they are installed, a
 
 Usage: cargo xtask bench [--quick | --cells | --tissue] [--threads | --peers]
 
-Without --peers only Myospring is measured (about 7 minutes). Run it on a machine with nothing else to
+Without --peers only Myospring is measured (about 3 minutes). Run it on a machine with nothing else to
 do: the numbers are wall times.
 
 Options:
@@ -23,7 +23,7 @@ Options:
   --tissue   Coupled cells only (with --peers two minutes)
   --threads  What a second thread gives, on a quiet machine and beside two busy processes for each core,
              which it starts and ends itself (about 5 minutes)
-  --peers    Also run Numba, LAMMPS, Myokit and Finitewave by the scripts in verification/peers (about 20 minutes). They
+  --peers    Also run Numba, LAMMPS, Myokit and Finitewave by the scripts in verification/peers (more than 10 minutes). They
              need Python 3.11 or newer with venv; the command makes its own virtual environment in
              target/peers/venv from verification/peers/requirements.txt. Myokit needs SUNDIALS and a C
              compiler besides (Debian: apt-get install libsundials-dev gcc; macOS: brew install
