@@ -1,10 +1,10 @@
 //! Damaged files of every kind that is read, many of them: each is read or refused, without panic, in little time and memory.
 //!
 //! ```text
-//! cargo run --release -p myospring-verification --example foreign_bytes -- [READER] [--for SECONDS] [--seed NUMBER] [--only NUMBER]
+//! cargo run --release -p myospring-verification --example foreign_bytes -- [READER] [--for SECONDS] [--inputs NUMBER] [--seed NUMBER] [--only NUMBER]
 //! ```
 //!
-//! Without a reader each is tried for so long; 10 s unless stated. An input is made of a small file by one to four changes that the seed and
+//! Without a reader each is tried for so long; 10 s unless a time or a number of inputs is stated. An input is made of a small file by one to four changes that the seed and
 //! its number determine: bits, bytes and numbers, pieces that are gone, twice there or of another file. `--only` makes one input, by its
 //! number, saves and reads it. An input of at most 1 MB that takes more than 2 s (`--limit SECONDS` for a build that is not
 //! optimised) or 500 MB, or makes the reader panic, is a fault, and is kept in `target/foreign_bytes`. A process that ends early has left the
@@ -31,6 +31,8 @@ use myospring::measured::{TableOptions, read_bytes};
 use myospring::output::npz::{self, Array};
 use myospring::run_file::RunFile;
 use myospring::study::parameters::ParameterStudy;
+use std::fs::File;
+use std::io::{Seek, Write};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -39,6 +41,8 @@ use std::time::{Duration, Instant};
 const LARGEST: usize = 1_000_000;
 const TOO_LONG_S: u64 = 2;
 const TOO_MUCH_KB: u64 = 500_000;
+/// Inputs that are read before the memory they took is asked for, which takes longer than to read most of them.
+const TOGETHER: u64 = 64;
 
 /// A reader, the files from which its inputs are made, and what is done with one.
 struct Reader {
@@ -53,7 +57,9 @@ fn main() {
         let at = arguments.iter().position(|argument| argument == name)?;
         Some(arguments[at + 1].parse::<u64>().unwrap())
     };
-    let (time, seed) = (option("--for").unwrap_or(10), option("--seed").unwrap_or(1));
+    let seed = option("--seed").unwrap_or(1);
+    let inputs = option("--inputs").unwrap_or(u64::MAX);
+    let time = option("--for").unwrap_or(if inputs == u64::MAX { 10 } else { u64::MAX });
     let named = arguments.first().filter(|first| !first.starts_with("--"));
     let folder = root().join("target/foreign_bytes");
     std::fs::create_dir_all(&folder).unwrap();
@@ -69,45 +75,108 @@ fn main() {
             (reader.read)(&input(reader, seed, number));
             continue;
         }
-        let times = [time, option("--limit").unwrap_or(TOO_LONG_S)].map(Duration::from_secs);
-        faults += campaign(reader, seed, times, &folder);
+        let limit = Duration::from_secs(option("--limit").unwrap_or(TOO_LONG_S));
+        let mut campaign = Campaign {
+            reader,
+            seed,
+            limit,
+            folder: &folder,
+            slowest: Duration::ZERO,
+            most: 0,
+            faults: 0,
+        };
+        campaign.run(inputs, Duration::from_secs(time));
+        faults += campaign.faults;
     }
     std::process::exit(i32::from(faults > 0));
 }
 
-/// Reads inputs for some time, each of which may take so long; how many faults there were.
-fn campaign(reader: &Reader, seed: u64, [time, limit]: [Duration; 2], folder: &Path) -> usize {
-    let start = Instant::now();
-    let marker = folder.join(format!("{}.number", reader.name));
-    let (mut slowest, mut most, mut faults, mut number) = (Duration::ZERO, 0, 0, 0);
-    while start.elapsed() < time {
-        let bytes = input(reader, seed, number);
-        std::fs::write(&marker, number.to_string()).unwrap();
-        forget_peak();
-        let before = Instant::now();
-        let read = reader.read;
-        let outcome = catch_unwind(|| read(&bytes));
-        let (took, held) = (before.elapsed(), peak_kb());
-        slowest = slowest.max(took);
-        most = most.max(held);
-        if outcome.is_err() || took > limit || held > TOO_MUCH_KB {
-            faults += 1;
-            let kept = folder.join(format!("{}_{number}", reader.name));
-            std::fs::write(&kept, &bytes).unwrap();
-            let panicked = if outcome.is_err() { "a panic, " } else { "" };
-            println!(
-                "{}: {panicked}{:.2} s, {} MB",
-                kept.display(),
-                took.as_secs_f64(),
-                held / 1000
-            );
+/// Inputs of one reader, and what came of them.
+struct Campaign<'a> {
+    reader: &'a Reader,
+    seed: u64,
+    /// What one input may take.
+    limit: Duration,
+    folder: &'a Path,
+    slowest: Duration,
+    /// Largest memory, kB.
+    most: u64,
+    faults: usize,
+}
+
+impl Campaign<'_> {
+    /// Reads so many inputs, or as many as there is time for.
+    fn run(&mut self, inputs: u64, time: Duration) {
+        let start = Instant::now();
+        let marker = self.folder.join(format!("{}.number", self.reader.name));
+        let mut marked = File::create(&marker).unwrap();
+        let mut number = 0;
+        while number < inputs && start.elapsed() < time {
+            let some = number..inputs.min(number + TOGETHER);
+            number = some.end;
+            forget_peak();
+            for one in some.clone() {
+                self.read(one, &mut marked);
+            }
+            let held = peak_kb();
+            self.most = self.most.max(held);
+            if held > TOO_MUCH_KB {
+                some.for_each(|one| self.weigh(one));
+            }
         }
-        number += 1;
+        std::fs::remove_file(&marker).unwrap();
+        let Self { reader: Reader { name, .. }, slowest, most, faults, .. } = self;
+        println!(
+            "| {name} | {number} | {:.2} | {} | {faults} |",
+            slowest.as_secs_f64(),
+            *most / 1000
+        );
     }
-    std::fs::remove_file(&marker).unwrap();
-    let (name, slowest) = (reader.name, slowest.as_secs_f64());
-    println!("| {name} | {number} | {slowest:.2} | {} | {faults} |", most / 1000);
-    faults
+
+    /// Reads an input.
+    fn read(&mut self, number: u64, marked: &mut File) {
+        let bytes = input(self.reader, self.seed, number);
+        // As many digits each, so that one number takes the place of the last.
+        marked.rewind().unwrap();
+        write!(marked, "{number:020}").unwrap();
+        let before = Instant::now();
+        let read = self.reader.read;
+        let outcome = catch_unwind(|| read(&bytes));
+        let mut took = before.elapsed();
+        if took > self.limit {
+            // The machine may have been busy: what counts is the processor's time.
+            let (before, start) = (processor_time(), Instant::now());
+            catch_unwind(|| read(&bytes)).ok();
+            let again =
+                processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
+            took = again.unwrap_or_else(|| start.elapsed());
+        }
+        self.slowest = self.slowest.max(took);
+        if outcome.is_err() {
+            self.keep(number, &bytes, "a panic");
+        } else if took > self.limit {
+            self.keep(number, &bytes, &format!("{:.2} s", took.as_secs_f64()));
+        }
+    }
+
+    /// Reads an input once more, and keeps it if it takes too much memory.
+    fn weigh(&mut self, number: u64) {
+        let bytes = input(self.reader, self.seed, number);
+        forget_peak();
+        let read = self.reader.read;
+        catch_unwind(|| read(&bytes)).ok();
+        let held = peak_kb();
+        if held > TOO_MUCH_KB {
+            self.keep(number, &bytes, &format!("{} MB", held / 1000));
+        }
+    }
+
+    fn keep(&mut self, number: u64, bytes: &[u8], why: &str) {
+        self.faults += 1;
+        let kept = self.folder.join(format!("{}_{number}", self.reader.name));
+        std::fs::write(&kept, bytes).unwrap();
+        println!("{}: {why}", kept.display());
+    }
 }
 
 /// Lets the largest memory of this process count from now on (Linux).
@@ -120,6 +189,15 @@ fn peak_kb() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
     line.and_then(|rest| rest.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+}
+
+/// The time that processors spent on the threads of this process; `None` where the system does not tell (other than Linux).
+fn processor_time() -> Option<Duration> {
+    let threads = std::fs::read_dir("/proc/self/task").ok()?.flatten();
+    let one = |path: PathBuf| {
+        std::fs::read_to_string(path.join("schedstat")).ok()?.split(' ').next()?.parse::<u64>().ok()
+    };
+    threads.map(|thread| one(thread.path())).sum::<Option<u64>>().map(Duration::from_nanos)
 }
 
 fn readers() -> Vec<Reader> {
@@ -153,7 +231,7 @@ fn readers() -> Vec<Reader> {
         },
         Reader {
             name: "curve",
-            seeds: files(&examples.join("tutorial"), ".csv"),
+            seeds: beginnings(files(&examples.join("tutorial"), ".csv")),
             read: |bytes| {
                 for name in ["curve.csv", "curve.txt"] {
                     drop(read_bytes(name, bytes, &TableOptions::default()));
@@ -221,6 +299,15 @@ fn files(folder: &Path, end: &str) -> Vec<Vec<u8>> {
     paths.retain(|path| path.to_string_lossy().ends_with(end) && path.is_file());
     paths.sort();
     paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
+}
+
+/// Whole files, and the first lines of each: most inputs are to be short.
+fn beginnings(files: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+    let first = |file: &Vec<u8>, lines: usize| -> Vec<u8> {
+        file.split_inclusive(|&byte| byte == b'\n').take(lines).flatten().copied().collect()
+    };
+    let short = files.iter().flat_map(|file| [5, 20, 60].map(|lines| first(file, lines)));
+    short.chain(files.iter().cloned()).collect()
 }
 
 /// Random numbers (splitmix64).
