@@ -8,9 +8,9 @@
 //! ```
 
 use super::lanes::Lanes;
-use super::plan::{BLOCK, Class, Plan, laws};
+use super::plan::{BLOCK, Class, Plan};
 use super::sweep::{
-    Field, Row, Step, Terms, Uniform, anchored, difference, fetch_next, load, pull, purpose, store,
+    Field, Row, Step, Terms, Uniform, difference, fetch_next, held_back, load, pull, purpose, store,
 };
 
 /// A vector for each corner of `N` cubes.
@@ -154,7 +154,7 @@ struct Pulled<V> {
 /// The pulls of `N` cubes from `rows` on.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn cubes<L: Lanes, T: Terms<L>, const LAWS: u8>(
+unsafe fn cubes<L: Lanes, T: Terms<L>, const LAWS: bool>(
     terms: &T,
     rows: [*const f64; 4],
     stride: usize,
@@ -181,7 +181,7 @@ unsafe fn cubes<L: Lanes, T: Terms<L>, const LAWS: u8>(
         tie::<L, T, 6, 1, 4>(terms, at, &mut pulls);
         tie::<L, T, 7, 0, 6>(terms, at, &mut pulls);
         tie::<L, T, 8, 2, 4>(terms, at, &mut pulls);
-        if LAWS & laws::MEASURE != 0 {
+        if LAWS {
             swell::<L>(terms.measure(), rest, &places, &mut pulls);
         }
         Pulled { pulls, a: places[0], va: velocities[0] }
@@ -194,7 +194,7 @@ unsafe fn cubes<L: Lanes, T: Terms<L>, const LAWS: u8>(
 /// As for the pass over squares.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
+pub(super) unsafe fn pass<L: Lanes, const LAWS: bool, const PURPOSE: u8>(
     plan: &Plan,
     tension: f64,
     row: Row<'_>,
@@ -211,6 +211,7 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         let upper = [above(0), above(1), above(lag - 1), above(lag)];
         let carried = |rows: usize| row.carry.add((row.index + rows) % lag * 3 * stride);
         let carried = [carried(0), carried(1), carried(lag - 1)];
+        let anchored = !plan.anchors.is_empty();
         let mut before = [zero; 4];
         for block in row.blocks {
             let class = plan.classes[row.index * plan.blocks + block];
@@ -262,17 +263,16 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                     }
                     force[axis] = L::sub(L::sub(sum, on[0][axis]), force[axis]);
                 }
-                if LAWS & laws::ANCHORS != 0 {
-                    force = anchored::<L, 3>(plan, (row.index, at), a, force);
+                if LAWS && anchored {
+                    force = held_back::<L, 3>(plan, (row.index, at), a, force);
                 }
-                if PURPOSE == purpose::MOVE {
+                if PURPOSE == purpose::LOOK {
+                    store::<L, 3>(row.out.add(at), stride, step.halfway(inverse_mass, force, va));
+                } else {
                     let (moved, v) = step.made(inverse_mass, force, a, va);
                     let lower = row.lower.add(at);
                     store::<L, 3>(lower.add(3 * stride), stride, v);
                     store::<L, 3>(lower, stride, moved);
-                }
-                if PURPOSE == purpose::LOOK {
-                    store::<L, 3>(row.out.add(at), stride, step.halfway(inverse_mass, force, va));
                 }
                 carry::<L>(carried, (stride, at), on);
             }

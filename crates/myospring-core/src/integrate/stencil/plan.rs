@@ -28,16 +28,6 @@ impl<const D: usize> Record<D> {
     pub(super) const LEN: usize = Self::MEASURE + 2;
 }
 
-/// Whether forces other than springs and dashpots act.
-pub(super) mod laws {
-    /// The area or volume law.
-    pub(in super::super) const MEASURE: u8 = 1;
-    /// The fibre tension.
-    pub(in super::super) const FIBRE: u8 = 2;
-    /// Springs to resting places.
-    pub(in super::super) const ANCHORS: u8 = 4;
-}
-
 /// Eight aligned values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
@@ -96,8 +86,8 @@ pub(super) struct Plan {
     /// Springs from places to their resting positions, if any: stiffness (nN/um) and the
     /// resting coordinates (um), one more stride than there are axes for each row.
     pub(super) anchors: Vec<Block>,
-    /// Which of [`laws`] act.
-    pub(super) laws: u8,
+    /// Whether anything but springs and dashpots acts: an area or volume law, tension of fibres or springs to resting places.
+    pub(super) laws: bool,
     /// Offset of each node's x in the state.
     pub(super) places: Vec<usize>,
     /// State of the lattice before any mass is put on it.

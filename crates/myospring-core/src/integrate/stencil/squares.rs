@@ -9,9 +9,9 @@
 //! ```
 
 use super::lanes::Lanes;
-use super::plan::{BLOCK, Class, Plan, laws};
+use super::plan::{BLOCK, Class, Plan};
 use super::sweep::{
-    Field, Row, Step, Terms, Uniform, anchored, difference, fetch_next, load, pull, purpose, store,
+    Field, Row, Step, Terms, Uniform, difference, fetch_next, held_back, load, pull, purpose, store,
 };
 
 /// Forces on the corner b of squares and by the corners c and d, from which that on a follows; and
@@ -34,7 +34,7 @@ unsafe fn cross<L: Lanes>(a: [L::V; 2], b: [L::V; 2]) -> L::V {
 /// Forces of `N` squares from `lower` and `upper` on.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn squares<L: Lanes, T: Terms<L>, const LAWS: u8>(
+unsafe fn squares<L: Lanes, T: Terms<L>, const LAWS: bool>(
     terms: &T,
     lower: *const f64,
     upper: *const f64,
@@ -64,7 +64,7 @@ unsafe fn squares<L: Lanes, T: Terms<L>, const LAWS: u8>(
         let mut by_c = [L::mul(to_c, rising[0]), L::mul(to_c, rising[1])];
         let mut by_d =
             [L::mul_add(to_d, north[0], cross_pull[0]), L::mul_add(to_d, north[1], cross_pull[1])];
-        if LAWS & laws::MEASURE != 0 {
+        if LAWS {
             // Energy w (k/2)(A - A0)^2/A0 on the triangles abc, acd, abd, bcd, each with w = 1/2.
             // Twice their areas:
             let abc = cross::<L>(east, rising);
@@ -97,7 +97,7 @@ unsafe fn squares<L: Lanes, T: Terms<L>, const LAWS: u8>(
 /// `carry` and `out` or write these rows meanwhile. The processor must have the features of `L`.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
+pub(super) unsafe fn pass<L: Lanes, const LAWS: bool, const PURPOSE: u8>(
     plan: &Plan,
     tension: f64,
     row: Row<'_>,
@@ -110,6 +110,7 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
         let minus_rest_length = plan.rest_length.map(|value| L::splat(-value));
         let rest = L::splat(plan.rest_measure);
         let zero = L::splat(0.0);
+        let anchored = !plan.anchors.is_empty();
 
         let above = row.lower.cast_const().add(plan.row_len);
         let [bx, by, cx, cy] = row.left.map(|value| L::splat(value));
@@ -163,16 +164,15 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
                         below[1],
                     ),
                 ];
-                if LAWS & laws::ANCHORS != 0 {
-                    force = anchored::<L, 2>(plan, (row.index, at), a, force);
-                }
-                if PURPOSE == purpose::MOVE {
-                    let (moved, v) = step.made(inverse_mass, force, a, va);
-                    store::<L, 2>(lower.add(2 * stride), stride, v);
-                    store::<L, 2>(lower, stride, moved);
+                if LAWS && anchored {
+                    force = held_back::<L, 2>(plan, (row.index, at), a, force);
                 }
                 if PURPOSE == purpose::LOOK {
                     store::<L, 2>(row.out.add(at), stride, step.halfway(inverse_mass, force, va));
+                } else {
+                    let (moved, v) = step.made(inverse_mass, force, a, va);
+                    store::<L, 2>(lower.add(2 * stride), stride, v);
+                    store::<L, 2>(lower, stride, moved);
                 }
                 store::<L, 2>(
                     carry,

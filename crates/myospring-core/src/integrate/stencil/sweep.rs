@@ -6,7 +6,7 @@
 //! still sees the old positions.
 
 use super::lanes::{Lanes, prefetch};
-use super::plan::{BLOCK, Class, Plan, Record, laws};
+use super::plan::{BLOCK, Class, Plan, Record};
 use std::ops::Range;
 
 /// Purpose of a pass over a row.
@@ -71,7 +71,7 @@ impl<L: Lanes> Uniform<L> {
     /// The coefficients of a place inside a uniform cell under a tension.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-    pub(super) unsafe fn of<const D: usize, const LAWS: u8>(plan: &Plan, tension: f64) -> Self {
+    pub(super) unsafe fn of<const D: usize, const LAWS: bool>(plan: &Plan, tension: f64) -> Self {
         let common = &plan.uniform[..Record::<D>::LEN];
         // SAFETY: the caller has the features of L.
         unsafe {
@@ -85,10 +85,8 @@ impl<L: Lanes> Uniform<L> {
             };
             for direction in 0..Record::<D>::SPRINGS {
                 let passive = common[Record::<D>::STIFFNESS + direction];
-                let fibre = match LAWS & laws::FIBRE {
-                    0 => 0.0,
-                    _ => tension * common[Record::<D>::FIBRE + direction],
-                };
+                let fibre =
+                    if LAWS { tension * common[Record::<D>::FIBRE + direction] } else { 0.0 };
                 let rest_length = plan.rest_length[usize::from(direction >= D)];
                 uniform.stiffness[direction] = L::splat(passive + fibre);
                 uniform.load[direction] = L::splat(-passive * rest_length);
@@ -124,14 +122,14 @@ impl<L: Lanes> Terms<L> for Uniform<L> {
 }
 
 /// One value per place, read from a record of the plan.
-pub(super) struct Field<L: Lanes, const D: usize, const LAWS: u8> {
+pub(super) struct Field<L: Lanes, const D: usize, const LAWS: bool> {
     pub(super) record: *const f64,
     pub(super) tension: L::V,
     pub(super) minus_rest_length: [L::V; 2],
 }
 
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-impl<L: Lanes, const D: usize, const LAWS: u8> Field<L, D, LAWS> {
+impl<L: Lanes, const D: usize, const LAWS: bool> Field<L, D, LAWS> {
     #[inline(always)]
     unsafe fn at(&self, term: usize) -> L::V {
         // SAFETY: a record has `Record::LEN` blocks; the caller has the features of L, here and below.
@@ -140,13 +138,13 @@ impl<L: Lanes, const D: usize, const LAWS: u8> Field<L, D, LAWS> {
 }
 
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-impl<L: Lanes, const D: usize, const LAWS: u8> Terms<L> for Field<L, D, LAWS> {
+impl<L: Lanes, const D: usize, const LAWS: bool> Terms<L> for Field<L, D, LAWS> {
     #[inline(always)]
     unsafe fn stiffness(&self, direction: usize) -> L::V {
         // SAFETY: see `at`.
         unsafe {
             let passive = self.at(Record::<D>::STIFFNESS + direction);
-            if LAWS & laws::FIBRE == 0 {
+            if !LAWS {
                 return passive;
             }
             L::mul_add(self.tension, self.at(Record::<D>::FIBRE + direction), passive)
@@ -326,7 +324,7 @@ pub(super) unsafe fn store<L: Lanes, const D: usize>(
 /// Adds the force of the springs to resting places.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-pub(super) unsafe fn anchored<L: Lanes, const D: usize>(
+pub(super) unsafe fn held_back<L: Lanes, const D: usize>(
     plan: &Plan,
     (row, at): (usize, usize),
     a: [L::V; D],

@@ -1,6 +1,6 @@
 //! Turns forces on a mesh into coefficients by lattice place.
 
-use super::plan::{BLOCK, Block, Class, Plan, Record, laws};
+use super::plan::{BLOCK, Block, Class, Plan, Record};
 use crate::mechanics::lattice_law::LatticeLaw;
 use crate::mechanics::support::Support;
 use crate::mesh::Lattice;
@@ -254,9 +254,7 @@ impl<const D: usize> LatticeTerms<D> {
         });
         let any = |values: &[f64]| values.iter().any(|value| *value != 0.0);
         let anchored = any(&self.anchors);
-        let laws = if any(&measure) { laws::MEASURE } else { 0 }
-            | if self.fibre.iter().any(|of| any(of)) { laws::FIBRE } else { 0 }
-            | if anchored { laws::ANCHORS } else { 0 };
+        let laws = anchored || any(&measure) || self.fibre.iter().any(|of| any(of));
         // The rows above: in y, and in space in z and in both.
         let above = match others {
             [] => return None,

@@ -23,7 +23,7 @@
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx2, Avx512};
 use super::lanes::{Lanes, Portable, Units};
-use super::plan::{BLOCK, Block, Plan, laws};
+use super::plan::{BLOCK, Block, Plan};
 use super::sweep::{Handover, Row, purpose};
 use super::{cubes, squares};
 use std::cell::UnsafeCell;
@@ -53,6 +53,17 @@ impl Command {
         match self {
             Self::Advance { steps, .. } => steps,
             Self::Look { .. } => 1,
+        }
+    }
+
+    /// Tension in one of its steps, kPa.
+    #[inline]
+    fn tension(self, step: usize) -> f64 {
+        match self {
+            Self::Advance { steps, tensions: [from, to] } => {
+                from + (to - from) / steps as f64 * step as f64
+            }
+            Self::Look { tension } => tension,
         }
     }
 }
@@ -228,7 +239,7 @@ impl Tiles {
             Units::Avx512 => unsafe { perform_avx512(self, band, sweeps) },
             #[cfg(target_arch = "x86_64")]
             Units::Avx2 => unsafe { perform_avx2(self, band, sweeps) },
-            _ => unsafe { perform_with_laws::<Portable>(self, band, sweeps) },
+            _ => unsafe { perform::<Portable>(self, band, sweeps) },
         }
     }
 }
@@ -239,7 +250,7 @@ impl Tiles {
 #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
 unsafe fn perform_avx512(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
     // SAFETY: as above.
-    unsafe { perform_with_laws::<Avx512>(tiles, band, sweeps) }
+    unsafe { perform::<Avx512>(tiles, band, sweeps) }
 }
 
 /// # Safety
@@ -248,31 +259,12 @@ unsafe fn perform_avx512(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
 #[target_feature(enable = "avx2,fma")]
 unsafe fn perform_avx2(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
     // SAFETY: as above.
-    unsafe { perform_with_laws::<Avx2>(tiles, band, sweeps) }
+    unsafe { perform::<Avx2>(tiles, band, sweeps) }
 }
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn perform_with_laws<L: Lanes>(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
-    const A: u8 = laws::MEASURE;
-    const F: u8 = laws::FIBRE;
-    const N: u8 = laws::ANCHORS;
-    // SAFETY: the caller's.
-    unsafe {
-        match tiles.plan.laws {
-            0 => perform::<L, 0>(tiles, band, sweeps),
-            A => perform::<L, A>(tiles, band, sweeps),
-            F => perform::<L, F>(tiles, band, sweeps),
-            3 => perform::<L, { A | F }>(tiles, band, sweeps),
-            // With anchors the rare combinations share a kernel; absent laws have no coefficients.
-            _ => perform::<L, { A | F | N }>(tiles, band, sweeps),
-        }
-    }
-}
-
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "inlined where the vector units are enabled")]
-unsafe fn perform<L: Lanes, const LAWS: u8>(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
+unsafe fn perform<L: Lanes>(tiles: &Tiles, band: usize, sweeps: Range<u64>) {
     // SAFETY: the command was written before the band could be claimed, and is not again before all are
     // done; for the rest the caller's.
     unsafe {
@@ -282,14 +274,12 @@ unsafe fn perform<L: Lanes, const LAWS: u8>(tiles: &Tiles, band: usize, sweeps: 
             let carries = &tiles.carries[sweep % tiles.carries.len()];
             let piece = Piece { tiles, band, sweep, carries };
             match command {
-                Command::Advance { steps, tensions } => {
-                    let slope = (tensions[1] - tensions[0]) / steps as f64;
-                    let tension = |step: usize| tensions[0] + slope * step as f64;
-                    piece.fronts::<L, LAWS, { purpose::MOVE }>(steps, tension);
+                Command::Advance { .. } if tiles.plan.laws => {
+                    piece.fronts::<L, true, { purpose::MOVE }>(command);
                 }
-                Command::Look { tension } => {
-                    piece.fronts::<L, LAWS, { purpose::LOOK }>(1, |_| tension);
-                }
+                Command::Advance { .. } => piece.fronts::<L, false, { purpose::MOVE }>(command),
+                // It is rare, so that all share a kernel; absent laws have no coefficients.
+                Command::Look { .. } => piece.fronts::<L, true, { purpose::LOOK }>(command),
             }
         }
     }
@@ -309,15 +299,11 @@ struct Piece<'a> {
 impl Piece<'_> {
     /// The band's fronts, tile by tile.
     #[inline(always)]
-    unsafe fn fronts<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
-        &self,
-        steps: usize,
-        tension: impl Fn(usize) -> f64,
-    ) {
+    unsafe fn fronts<L: Lanes, const LAWS: bool, const PURPOSE: u8>(&self, command: Command) {
         let Tiles { plan, tiling, .. } = self.tiles;
         let Tiling { width, depth, count, ref starts, .. } = *tiling;
         let first = self.sweep * depth;
-        let steps = depth.min(steps - first);
+        let steps = depth.min(command.steps() - first);
         let lag = plan.lag;
         let end = plan.rows + (steps - 1) * lag;
         let end = starts.get(self.band + 1).map_or(end, |start| *start);
@@ -334,7 +320,7 @@ impl Piece<'_> {
                             step,
                             front - step * lag,
                             start..end,
-                            tension(first + step),
+                            command,
                         );
                     }
                 }
@@ -344,13 +330,13 @@ impl Piece<'_> {
 
     /// One row of a tile in one step.
     #[inline(always)]
-    unsafe fn row<L: Lanes, const LAWS: u8, const PURPOSE: u8>(
+    unsafe fn row<L: Lanes, const LAWS: bool, const PURPOSE: u8>(
         &self,
         tile: usize,
         step: usize,
         index: usize,
         blocks: Range<usize>,
-        tension: f64,
+        command: Command,
     ) {
         let Tiles { plan, tiling, handovers, .. } = self.tiles;
         let [first, last] = plan.spans[index];
@@ -376,6 +362,7 @@ impl Piece<'_> {
             let lower = self.tiles.state.start.add(index * plan.row_len);
             let out = self.tiles.seen.start.add(index * plan.row_len / 2);
             let fetch = step == 0 && tiling.large;
+            let tension = command.tension(self.sweep * tiling.depth + step);
             let row = Row { index, blocks, lower, carry, left, right, out, fetch };
             match plan.axes {
                 2 => squares::pass::<L, LAWS, PURPOSE>(plan, tension, row),
