@@ -40,6 +40,7 @@ OF_STACK = (
     "pixel_size_um", "z_step_um", "first_slice", "stack_stain", "spacing_um", "any_size", "modality", "channel", "frame",
     "threshold", "smooth_um", "seed", "cell", "label", "min_area_um2", "max_area_um2", "allow_cut",
 )
+OF_SLICES = ("z_step_um", "first_slice", "stack_stain")
 # Without a mesh nothing else has a place.
 OF_POTENTIAL = (
     "model", "parameters", "variables", "myofilaments", "cell_integrator", "cell_step_ms", "cell_tolerance",
@@ -141,7 +142,7 @@ SETS = {
     "beat": of_beat(),
     "image": of_image(),
     # Without `thickness_um`, which is among the settings of a beat.
-    "image_and_beat": [row for row in of_image() if row["name"] != "thickness_um"],
+    "image_and_beat": [row for row in of_image() if row["name"] != "thickness_um"] + chosen(OF_SLICES),
     # Of a film the size of a pixel is an argument of its own, and `fit` has another cell and another seed.
     "film": [row for row in of_image() if row["name"] not in ("pixel_size_um", "cell", "seed")],
     "stack": chosen(OF_STACK),

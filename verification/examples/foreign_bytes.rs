@@ -231,7 +231,7 @@ fn readers() -> Vec<Reader> {
         },
         Reader {
             name: "curve",
-            seeds: beginnings(files(&examples.join("tutorial"), ".csv")),
+            seeds: beginnings(&files(&examples.join("tutorial"), ".csv")),
             read: |bytes| {
                 for name in ["curve.csv", "curve.txt"] {
                     drop(read_bytes(name, bytes, &TableOptions::default()));
@@ -302,8 +302,8 @@ fn files(folder: &Path, end: &str) -> Vec<Vec<u8>> {
 }
 
 /// Whole files, and the first lines of each: most inputs are to be short.
-fn beginnings(files: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
-    let first = |file: &Vec<u8>, lines: usize| -> Vec<u8> {
+fn beginnings(files: &[Vec<u8>]) -> Vec<Vec<u8>> {
+    let first = |file: &[u8], lines: usize| -> Vec<u8> {
         file.split_inclusive(|&byte| byte == b'\n').take(lines).flatten().copied().collect()
     };
     let short = files.iter().flat_map(|file| [5, 20, 60].map(|lines| first(file, lines)));

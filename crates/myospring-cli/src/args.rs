@@ -399,7 +399,8 @@ pub(crate) struct TractionArgs {
 #[command(after_help = "Examples:\n  \
     myospring batch pictures --pixel-size \"0.27 um\" --output beats\n  \
     myospring batch pictures --pattern \"*_actinin.tif\" --integrator quasi-static --figures\n  \
-    myospring batch --table pictures.csv              each picture with its own settings\n\n\
+    myospring batch --table pictures.csv              each picture with its own settings\n  \
+    myospring batch stacks --stacks --z-step \"0.5 um\" a thick cell of each z-stack\n\n\
     Results: report.html, every cell with its numbers; cells.csv, one row per cell, failed pictures with the \
     reason; cells.parquet, the same; overlays/ of all pictures; with --figures a folder for each cell. Cells cut \
     by the frame, doubtful ones and those outside --min-area to --max-area are left out with the reason.\n\
@@ -411,13 +412,16 @@ pub(crate) struct BatchArgs {
     #[arg(value_name = "FOLDER", required_unless_present = "table")]
     pub(crate) folder: Option<PathBuf>,
     /// Pictures with individual settings (.csv): a column `file`, and any of `pixel_size`,
-    /// modality, channel, threshold, seed, outline, stain or another option; `group` is copied to
-    /// cells.csv. Several rows for one file are several cells of it
+    /// modality, channel, threshold, seed, outline, stain or another option; a column `stack`
+    /// instead of `file` names stacks of slices; `group` is copied to cells.csv. Several rows for one file are several cells of it
     #[arg(long, value_name = "FILE")]
     pub(crate) table: Option<PathBuf>,
     /// Only files whose name matches (with wildcards * and ?) [default: *.png, *.tif, *.tiff]
     #[arg(long, value_name = "PATTERN", conflicts_with = "table")]
     pub(crate) pattern: Option<String>,
+    /// Each file is a stack of slices, with one thick cell: the largest, or that of --label
+    #[arg(long)]
+    pub(crate) stacks: bool,
     /// Simultaneous pictures, at most one per core [default: all cores]
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,

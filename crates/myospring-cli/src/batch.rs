@@ -27,6 +27,7 @@ pub(crate) fn batch(args: &BatchArgs) -> Result<ExitCode, Failure> {
     };
     let batch = Batch {
         pictures,
+        stacks: args.stacks,
         settings: args.settings.given().to_vec(),
         figures: args.figures,
         jobs: args.jobs.map(usize::from),

@@ -27,6 +27,7 @@ mod place;
 pub mod profile;
 pub mod quality;
 mod selection;
+pub mod shadow;
 pub mod simplex;
 pub mod surface;
 pub mod thick;

@@ -217,6 +217,21 @@ impl PictureCells {
         Ok(seen)
     }
 
+    /// Reads a picture in which a cell was found otherwise; a stack in depth is reduced to one plane.
+    ///
+    /// # Errors
+    /// A picture that cannot be read, or no pixel size.
+    pub fn outlined(
+        bytes: &[u8],
+        outline: Outline,
+        options: &PictureOptions,
+    ) -> Result<Self, CellError> {
+        let mut seen = Self::unsegmented(bytes, options)?;
+        let outlines = vec![NamedOutline { name: "1".to_owned(), outline }];
+        seen.cells = Cells::Given(GivenOutlines { outlines, notes: Vec::new() });
+        Ok(seen)
+    }
+
     /// Reads a picture without segmenting it, so that it can be shown when no cell was found.
     ///
     /// # Errors
@@ -329,12 +344,7 @@ impl PictureCells {
 
     /// The modality in one word: that of the segmentation, or `outline` for given outlines.
     pub fn modality(&self) -> &'static str {
-        match self.segmentation().map(|found| found.modality) {
-            None => "outline",
-            Some(Modality::Mask) => "mask",
-            Some(Modality::Brightfield) => "brightfield",
-            Some(Modality::Fluorescence | Modality::Auto) => "fluorescence",
-        }
+        self.segmentation().map_or("outline", |found| found.modality.seen_as())
     }
 
     /// Why the picture was treated as this modality, in words; `None` if the user stated it.

@@ -63,6 +63,17 @@ pub enum Modality {
     Mask,
 }
 
+impl Modality {
+    /// In a word, how a picture was taken that was found to be so.
+    pub fn seen_as(self) -> &'static str {
+        match self {
+            Self::Mask => "mask",
+            Self::Brightfield => "brightfield",
+            Self::Fluorescence | Self::Auto => "fluorescence",
+        }
+    }
+}
+
 /// Largest label of a mask: pixels are `f32`, which cannot distinguish larger whole numbers.
 pub const LARGEST_LABEL: u32 = (1 << f32::MANTISSA_DIGITS) - 1;
 

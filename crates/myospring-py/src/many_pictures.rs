@@ -25,6 +25,7 @@ pub(crate) fn beat_pictures<'py>(
     pattern: Option<String>,
     table: Option<PathBuf>,
     pictures: Vec<PathBuf>,
+    stacks: bool,
     given: &Bound<'py, PyDict>,
     figures: bool,
     jobs: Option<usize>,
@@ -38,7 +39,7 @@ pub(crate) fn beat_pictures<'py>(
         (None, None) => Pictures::Files(pictures),
     };
     let settings = settings::list(given)?;
-    let batch = Batch { pictures, settings, figures, jobs, target: output, force };
+    let batch = Batch { pictures, stacks, settings, figures, jobs, target: output, force };
     let batched = experiment::run(py, &batch, &Files::default(), progress)?;
     let numbers = experiment::numbers(&batched)?;
     Ok((columns(py, &batched)?, numbers, experiment::warnings(&batched)))

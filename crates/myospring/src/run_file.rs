@@ -41,5 +41,6 @@ pub use error::{Origin, RunFileError};
 pub use file::RunFile;
 pub use presets::{PRESETS, Preset};
 pub use reading::Reader;
+pub(crate) use rules::SHAPES;
 pub use schema::{schema, schema_id};
 pub use template::template;

@@ -236,6 +236,55 @@ fn another_support_on_the_command_line_drops_the_stiffness_of_the_old_one() {
 }
 
 #[test]
+fn options_exclude_each_other_in_any_order_and_only_another_shape_replaces_a_shape() {
+    let reader = || myospring::run_file::Reader::new();
+    let stack = ("--stack", "shape.stack", "cell.tif");
+    let others = [
+        ("--thickness", "material.thickness", "8 um"),
+        ("--profile", "shape.profile", "dome"),
+        ("cell.png", "shape.picture", "cell.png"),
+        ("--outline", "shape.outline", "cell.roi"),
+    ];
+    for (option, key, value) in others {
+        for [first, second] in [[stack, (option, key, value)], [(option, key, value), stack]] {
+            let both =
+                reader().option(first.0, first.1, first.2).option(second.0, second.1, second.2);
+            let error = both.resolve().err().unwrap().to_string();
+            assert!(error.contains(key) && error.contains("shape.stack"), "{error}");
+        }
+    }
+    let of_file = |text: &str| reader().text("run.toml", text).unwrap();
+    let text = "[shape]\nstack = \"cell.tif\"";
+    for (option, key, value) in &others[..2] {
+        let error = of_file(text).option(option, key, *value).resolve().err().unwrap().to_string();
+        assert!(error.contains("shape.stack"), "{error}");
+    }
+    let picture = of_file(text).option("cell.png", "shape.picture", "cell.png").resolve().unwrap();
+    assert!(picture.shape.slices().is_none());
+    let thick = "[shape]\nprofile = \"dome\"\n[material]\nthickness = \"8 um\"";
+    let stack = of_file(thick).option("--stack", "shape.stack", "cell.tif").resolve().unwrap();
+    assert!(stack.shape.slices().is_some() && stack.shape.form.is_none());
+}
+
+#[test]
+fn the_fibres_of_a_stack_turn_as_its_slices_show_or_as_stated_and_a_run_file_says_which() {
+    let of = |fibre: &str, angle: &str| {
+        let text = format!(
+            "[shape]\nstack = \"cell.tif\"\n[mechanics]\nfibre = \"{fibre}\"\nhelix_angle = \"{angle}\""
+        );
+        RunFile::from_text(&text).unwrap().resolve()
+    };
+    let key = "mechanics.helix_angle";
+    let shown = of("picture", "0 deg").unwrap().to_run_file();
+    assert_eq!(shown.get(key), None);
+    assert_eq!(shown.resolve().unwrap().to_run_file(), shown);
+    assert!(of("picture", "40 deg").err().unwrap().to_string().contains(key));
+    let stated = of("long axis", "40 deg").unwrap().to_run_file();
+    assert_eq!(stated.get(key), Some(&"40 deg".into()));
+    assert_eq!(stated.resolve().unwrap().to_run_file(), stated);
+}
+
+#[test]
 fn a_train_lasts_550_ms_after_its_last_stimulus() {
     let run = RunFile::from_text("[stimulus]\nbeats = 3\ncycle_length = \"500 ms\"").unwrap();
     assert_eq!(run.clone().resolve().unwrap().duration, 1600.0);

@@ -41,12 +41,60 @@ fn a_stack_beats_in_one_command_and_its_results_repeat_it() {
     let mesh =
         myospring(at, &[&["mesh", "--stack", "cell.tif", "--output", "mesh"][..], &scale].concat());
     assert!(stdout(&mesh).contains("cubes in thickness"), "{}", stdout(&mesh));
+    let both = [&run[..], &["--thickness", "8 um", "--force"]].concat();
+    let both = myospring(at, &both);
+    assert!(!both.status.success() && stderr(&both).contains("thickness"), "{}", stderr(&both));
     let missing = myospring(at, &["run", "--stack", "cell.tif", "--pixel-size", "0.5 um"]);
     assert!(
         !missing.status.success() && stderr(&missing).contains("--z-step"),
         "{}",
         stderr(&missing)
     );
+}
+
+#[test]
+fn a_batch_beats_the_cell_of_each_stack() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for name in ["a.tif", "b.tif"] {
+        fs::create_dir_all(at.join("stacks")).unwrap();
+        let mut encoder =
+            TiffEncoder::new(fs::File::create(at.join("stacks").join(name)).unwrap()).unwrap();
+        // Blocks of 60 x 16 um, 8 and 12 um thick.
+        let [first, last] = if name == "a.tif" { [2, 10] } else { [2, 14] };
+        for slice in 0..16 {
+            let inside = |at: usize| {
+                let within = (10..130).contains(&(at % 140)) && (10..42).contains(&(at / 140));
+                if within && (first..last).contains(&slice) { 255 } else { 0 }
+            };
+            let pixels: Vec<u8> = (0..140 * 52).map(inside).collect();
+            encoder.write_image::<Gray8>(140, 52, &pixels).unwrap();
+        }
+    }
+    fs::write(at.join("table.csv"), "stack,z_step,group\na.tif,1.5 um,tall\nb.tif,,usual\n")
+        .unwrap();
+    let scale = ["--pixel-size", "0.5 um", "--z-step", "1 um", "--spacing", "2 um"];
+    let rows = |command: &[&str]| {
+        let done = myospring(at, &[command, &scale[..]].concat());
+        assert!(done.status.success(), "{}", stderr(&done));
+        let text =
+            fs::read_to_string(at.join(command[command.len() - 1]).join("cells.csv")).unwrap();
+        let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let names = lines.next().unwrap();
+        let place = names.iter().position(|name| *name == "largest_thickness_um").unwrap();
+        lines.map(|row| row[place].parse::<f64>().unwrap()).collect::<Vec<f64>>()
+    };
+    assert_eq!(rows(&["batch", "stacks", "--stacks", "--output", "folder"]), [8.0, 12.0]);
+    assert_eq!(
+        rows(&["batch", "stacks", "--table", "table.csv", "--figures", "--output", "table"]),
+        [12.0, 12.0]
+    );
+    let own = ["run", "table/cells/a_tif_1/run.toml", "--output", "own", "--outputs", "none"];
+    let own = myospring(at, &own);
+    assert!(own.status.success(), "{}", stderr(&own));
+    let named = myospring(at, &["batch", "stacks", "--stack", "stacks/a.tif", "--output", "named"]);
+    assert!(!named.status.success() && stderr(&named).contains("--stacks"), "{}", stderr(&named));
+    assert!(!at.join("named").exists());
 }
 
 #[test]

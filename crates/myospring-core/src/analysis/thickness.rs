@@ -53,7 +53,7 @@ pub fn metrics<'a>(
             "thickness_at_rest",
             rest(THICKNESS),
             "um",
-            "mean thickness before the stimulus, weighted by the area seen from above",
+            "mean thickness before the stimulus: volume over the area seen from above",
         ),
         row(
             "peak_thickening",

@@ -27,6 +27,9 @@ pub const MOST_POINTS: usize = 400_000;
 /// deflection of a fine one.
 pub const ENOUGH_LAYERS: usize = 4;
 
+/// How far the thickness of the mesh may be off the stated one without a warning, per cent.
+const THICKNESS_WARNING_PCT: f64 = 4.0;
+
 /// The form of a cell of which only the outline is known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Form {
@@ -255,7 +258,37 @@ fn fill(
         shape: [flat.columns, flat.rows, layers as usize],
     };
     let heights = profile.heights(source, &flat, thickness);
-    made(&grid, &coverage_of(&heights, &grid), &shape, Vec::new())
+    let made = made(&grid, &coverage_of(&heights, &grid), &shape, Vec::new());
+    made.map(|(above, thick, mut report)| {
+        let warnings =
+            [off_thickness(&report, thickness), thicker_than_wide(thickness, shape.width)];
+        report.warnings.extend(warnings.into_iter().flatten());
+        (above, thick, report)
+    })
+}
+
+/// Says that whole cubes are thicker or thinner than the cell, if they are.
+fn off_thickness(report: &MeshReport, thickness: f64) -> Option<String> {
+    let meshed = report.thick.as_ref()?.thickness_um;
+    let off_pct = 100.0 * (meshed / thickness - 1.0);
+    (off_pct.abs() > THICKNESS_WARNING_PCT).then(|| {
+        let layers = (thickness / report.spacing_um).round().max(ENOUGH_LAYERS as f64);
+        format!(
+            "the mesh is {meshed:.2} um thick, {off_pct:+.1} % off the {thickness} um of the cell, as cubes are whole; bending is as the \
+             cube of it; a spacing of {:.4} um has {layers} cubes in {thickness} um",
+            thickness / layers
+        )
+    })
+}
+
+/// Says that a cell is thicker than wide, if it is.
+fn thicker_than_wide(thickness: f64, width: f64) -> Option<String> {
+    (thickness > 1.1 * width).then(|| {
+        format!(
+            "the cell is {thickness} um thick and {width:.1} um wide; cells that lie on a dish are thinner than wide: check the unit of \
+             the thickness"
+        )
+    })
 }
 
 fn check_spacing(
@@ -360,8 +393,9 @@ fn made(
     }
     if most < ENOUGH_LAYERS {
         warnings.push(format!(
-            "only {most} cubes across the thickness: with fewer than {ENOUGH_LAYERS} the mesh bends too stiffly; take a spacing of {:.2} um \
+            "only {most} {} across the thickness: with fewer than {ENOUGH_LAYERS} the mesh bends too stiffly; take a spacing of {:.2} um \
              or less",
+            if most == 1 { "cube" } else { "cubes" },
             most as f64 * spacing / ENOUGH_LAYERS as f64
         ));
     }

@@ -8,9 +8,9 @@
 //! An afterloaded cell has two branches: clamped at its stop, and shortened against its load. Until
 //! it pulls harder than the load it is at its stop, so its state does not depend on its history.
 
-use super::fault::{fault, projected_area};
+use super::fault::fault;
 use super::gauges::GAUGES;
-use super::setup::Assembly;
+use super::setup::{Assembly, in_steps};
 use super::space::Space;
 use super::{SettingError, SetupError, Simulation, StopReason};
 use crate::integrate::quasi_static::{Path, PathError, Shapes, Tolerance, Workspace};
@@ -79,7 +79,7 @@ where
     ) -> Result<Self, SetupError> {
         let interruption = &simulation.interruption;
         let Assembly { system, body, .. } = &*assembly;
-        let path = Path::start(system, body, tolerance, interruption)?;
+        let path = Path::start(system, body, simulation.accepting(tolerance), interruption)?;
         let curve = Arc::new(Curve::along(&path, simulation, &assembly)?);
         let (shapes, workspace) = path.into_parts();
         Ok(Self { assembly, shapes, workspace, curve, end: None })
@@ -157,10 +157,32 @@ impl Simulation {
         self.check()?;
         self.interruption.check()?;
         let assembly = Arc::new(self.assembled_at_rest()?);
-        let loaded = self.loaded(&assembly).map(Arc::new);
-        let branch = |assembly| Branch::at_rest(self, assembly, tolerance);
-        let (held, loaded) = (branch(assembly)?, loaded.map(branch).transpose()?.map(Box::new));
-        Ok(Equilibria { held, loaded })
+        let held = Branch::at_rest(self, Arc::clone(&assembly), tolerance)?;
+        let loaded = in_steps(|steps| self.loaded_at_rest(&assembly, tolerance, steps))?;
+        Ok(Equilibria { held, loaded: loaded.map(Box::new) })
+    }
+
+    /// The cell at rest under the load of an afterloaded contraction, which grows in steps.
+    fn loaded_at_rest<const D: usize, const N: usize>(
+        &self,
+        held: &Assembly<D>,
+        tolerance: Tolerance,
+        steps: u32,
+    ) -> Result<Option<Branch<D, N>>, SetupError>
+    where
+        Self: Space<D, N>,
+    {
+        let mut branch: Option<Branch<D, N>> = None;
+        for step in 1..=steps {
+            let Some(mut assembly) = self.loaded(held, f64::from(step) / f64::from(steps)) else {
+                return Ok(None);
+            };
+            if let Some(rest) = branch.and_then(|last| last.shapes.positions(0.0)) {
+                assembly.body.positions = rest;
+            }
+            branch = Some(Branch::at_rest(self, Arc::new(assembly), tolerance)?);
+        }
+        Ok(branch)
     }
 
     /// The mesh's equilibria at every tension from 0 to those in kPa, without a cell model: for any
@@ -518,17 +540,18 @@ impl<const D: usize> Curve<D> {
                 (Some(gel), Some(pulls)) => 0.5 * product(pulls, &gel.displacements(&positions)),
                 _ => 0.0,
             };
+            let area = assembly.area(&simulation.mesh, &positions);
             let mut quantities = [0.0; QUANTITIES];
             quantities[..LOADS].copy_from_slice(&[
                 extent.length,
                 extent.width,
-                projected_area(&simulation.mesh, &simulation.seen_from_above(&positions)),
+                area,
                 system.own_energy(&at) + outside,
                 0.0,
                 energy(&positions, 1.0),
             ]);
             for (quantity, told) in
-                quantities[LOADS..].iter_mut().zip(gauges.read(system, &at, pulling.as_ref()))
+                quantities[LOADS..].iter_mut().zip(gauges.read(system, &at, pulling.as_ref(), area))
             {
                 *quantity = told;
             }

@@ -6,7 +6,7 @@
 
 use super::coupler::Shaping;
 use super::course::{Observable, Observed};
-use super::fault::{fault, projected_area};
+use super::fault::fault;
 use super::held::Held;
 use super::observer::{Progress, RunObserver, Samples};
 use super::outcome::{Effort, Outcome};
@@ -246,17 +246,18 @@ where
         let State { body, tension, active_work, .. } = &self.state;
         let extent = assembly.measure(&body.positions);
         let at = body.configuration(tension.tension());
+        let area = assembly.area(&simulation.mesh, &body.positions);
         Observed {
             length: extent.length,
             width: extent.width,
-            area: projected_area(&simulation.mesh, &simulation.seen_from_above(&body.positions)),
+            area,
             elastic_energy: assembly.system.elastic_energy(&at),
             kinetic_energy: 0.0,
             active_work: *active_work,
             dissipated_energy: 0.0,
             momentum: 0.0,
             angular_momentum: 0.0,
-            gauges: assembly.gauges.read_now(&assembly.system, &at),
+            gauges: assembly.gauges.read_now(&assembly.system, &at, area),
         }
     }
 

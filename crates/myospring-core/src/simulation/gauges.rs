@@ -60,12 +60,13 @@ impl Gauges {
         self.told().position(|[known, ..]| known == name)
     }
 
-    /// Their values; `pulls` are the forces of the cell on what it adheres to, nN.
+    /// Their values; `pulls` are the forces of the cell on what it adheres to, nN, `area` its area seen from above, um^2.
     pub(super) fn read<const D: usize>(
         &self,
         system: &System<D>,
         at: &Configuration<'_, D>,
         pulls: Option<&Vectors<D>>,
+        area: f64,
     ) -> Vec<f64> {
         let mut values = Vec::new();
         values.extend(self.end.as_ref().map(|nodes| self.end_force(nodes, system, at)));
@@ -82,7 +83,7 @@ impl Gauges {
             for (place, node) in places() {
                 let pull = [0, 1].map(|axis: usize| pulls[axis][place]);
                 let rest = rest(place, node);
-                total += pull[0].hypot(pull[1]);
+                total += pulls.iter().map(|of| of[place]).fold(0.0, f64::hypot);
                 // Linear in the tractions, so that noise of measured ones does not raise it.
                 axial -= 0.5 * along(pull) * (along(rest) - middle).signum();
                 moment -= pull[0] * rest[0] + pull[1] * rest[1];
@@ -90,7 +91,7 @@ impl Gauges {
             let energy = 0.5 * product(pulls, &moved);
             values.extend([total, axial, moment, energy]);
         }
-        values.extend(self.thickness.iter().flat_map(|meter| meter.read(at.positions)));
+        values.extend(self.thickness.iter().flat_map(|meter| meter.read(at.positions, area)));
         values
     }
 
@@ -99,9 +100,10 @@ impl Gauges {
         &self,
         system: &System<D>,
         at: &Configuration<'_, D>,
+        area: f64,
     ) -> Vec<f64> {
         let pulls = system.compliance().map(|gel| gel.forces(&gel.displacements(at.positions)));
-        self.read(system, at, pulls.as_ref())
+        self.read(system, at, pulls.as_ref(), area)
     }
 
     /// Force with which the upper end is drawn inward, nN; negative where it is pushed out.

@@ -2,7 +2,7 @@
 
 use super::coupler::Shaping;
 use super::course::{Observable, Observed};
-use super::fault::{fault, projected_area};
+use super::fault::fault;
 use super::held::Held;
 use super::observer::{Progress, RunObserver, Samples};
 use super::outcome::{Effort, Outcome};
@@ -270,17 +270,18 @@ where
             _ => [[0, 1], [1, 2], [2, 0]].map(turning).into_iter().fold(0.0, f64::hypot),
         };
         let at = body.configuration(self.ledger.tension.tension());
+        let area = assembly.area(&simulation.mesh, &body.positions);
         Observed {
             length: extent.length,
             width: extent.width,
-            area: projected_area(&simulation.mesh, &simulation.seen_from_above(&body.positions)),
+            area,
             elastic_energy: assembly.system.elastic_energy(&at),
             kinetic_energy: body.kinetic_energy(),
             active_work: self.ledger.active_work,
             dissipated_energy: self.ledger.dissipated,
             momentum: momentum.into_iter().reduce(f64::hypot).unwrap_or_default(),
             angular_momentum,
-            gauges: assembly.gauges.read_now(&assembly.system, &at),
+            gauges: assembly.gauges.read_now(&assembly.system, &at, area),
         }
     }
 

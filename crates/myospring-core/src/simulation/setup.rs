@@ -1,6 +1,7 @@
 //! The common start of every run: assembled forces, an activation in its first state, a meter.
 
 use super::check::check_strongest;
+use super::fault::projected_area;
 use super::gauges::Gauges;
 use super::shared_cell::SharedCell;
 use super::space::Space;
@@ -12,14 +13,15 @@ use crate::cell::{self, TensionKind};
 use crate::exchange::{
     Activation, ActivationBounds, ByTriangle, Coupling, Sites, Tissue, TissueCells, WholeCell,
 };
-use crate::integrate::quasi_static::{Path, Tolerance};
+use crate::integrate::quasi_static::{Path, PathError, Tolerance};
 use crate::mechanics::active::FibreStretch;
 use crate::mechanics::loaded_end::LoadedEnd;
+use crate::mechanics::material::default_material;
 use crate::mechanics::support::{Attachment, Support, SupportKind};
-use crate::mechanics::{Body, Following, System, Tension, Vectors};
+use crate::mechanics::{Body, Following, System, Tension, Vectors, add_scaled};
 use crate::mesh::ends::{end_nodes, end_zones};
 use crate::mesh::simplex::measure_at;
-use crate::mesh::{Simplex, SpringKind};
+use crate::mesh::{Mesh, Simplex, SpringKind};
 use std::sync::Arc;
 
 /// The common start of every run.
@@ -47,6 +49,18 @@ struct Strength {
     relative: f64,
 }
 
+/// Solves for a shape before the cell pulls in so many steps from what is known: in one, or in more if that is too far.
+pub(super) fn in_steps<T>(solve: impl Fn(u32) -> Result<T, SetupError>) -> Result<T, SetupError> {
+    let mut found = solve(1);
+    for steps in [4, 16] {
+        if !matches!(found, Err(SetupError::NoPath(PathError::AtRest { .. }))) {
+            break;
+        }
+        found = solve(steps);
+    }
+    found
+}
+
 /// The mesh with its forces and meter.
 pub(super) struct Assembly<const D: usize = 2> {
     pub(super) body: Body<D>,
@@ -64,6 +78,14 @@ impl<const D: usize> Assembly<D> {
     /// Mean stretch of the cell between the clamps, at this length (um).
     pub(super) fn stretch(&self, length: f64) -> f64 {
         (length - self.gripped_length) / (self.resting_length - self.gripped_length)
+    }
+
+    /// Area of a body seen from above, um^2; `mesh` is that of a flat one.
+    pub(super) fn area(&self, mesh: &Mesh, positions: &Vectors<D>) -> f64 {
+        match &self.gauges.thickness {
+            Some(meter) => meter.area(positions),
+            None => projected_area(mesh, plane(positions)),
+        }
     }
 
     /// Length along and width across the long axis, um, of a body seen from above.
@@ -285,14 +307,52 @@ impl Simulation {
         if self.end_stretch == 1.0 {
             return Ok(assembly);
         }
-        let Assembly { body, system, .. } = &mut assembly;
-        body.positions = self.drawn_out(self.end_stretch);
-        let tolerance = Tolerance::default();
-        let path = Path::start(system, body, tolerance, &self.interruption)?;
-        let rest = path.positions(0.0).unwrap_or_else(|| body.positions.clone());
+        let rest = in_steps(|steps| self.stretched(&assembly, steps))?;
         assembly.held_length = assembly.measure(&rest).length;
         assembly.body.positions = rest;
         Ok(assembly)
+    }
+
+    /// Positions in equilibrium with the held ends, which are moved apart in steps, um.
+    fn stretched<const D: usize, const N: usize>(
+        &self,
+        unstretched: &Assembly<D>,
+        steps: u32,
+    ) -> Result<Vectors<D>, SetupError>
+    where
+        Self: Space<D, N>,
+    {
+        let mut body = unstretched.body.clone();
+        let mut drawn = body.positions.clone();
+        for step in 1..=steps {
+            let part = f64::from(step) / f64::from(steps);
+            let before = drawn;
+            drawn = self.drawn_out(1.0 + (self.end_stretch - 1.0) * part);
+            if step == 1 {
+                body.positions.clone_from(&drawn);
+            } else {
+                add_scaled(&mut body.positions, 1.0, &drawn);
+                add_scaled(&mut body.positions, -1.0, &before);
+            }
+            let tolerance = self.accepting(Tolerance::default());
+            let path = Path::start(&unstretched.system, &body, tolerance, &self.interruption)?;
+            if let Some(rest) = path.positions(0.0) {
+                body.positions = rest;
+            }
+        }
+        Ok(body.positions)
+    }
+
+    /// Tolerances with any delay where no more than the usual damping causes it, which is numerical: no equilibrium depends on it.
+    pub(super) fn accepting(&self, tolerance: Tolerance) -> Tolerance {
+        let (own, usual) = (&self.material, default_material());
+        let numerical = own.slowest_period.is_none()
+            && own.damping_ratio <= usual.damping_ratio
+            && own.drag_ratio <= usual.drag_ratio;
+        Tolerance {
+            longest_delay: if numerical { f64::INFINITY } else { tolerance.longest_delay },
+            ..tolerance
+        }
     }
 
     /// Resting positions with the rigid ends moved apart and the cell between them stretched
@@ -313,10 +373,11 @@ impl Simulation {
         std::array::from_fn(moved)
     }
 
-    /// The cell that has left its stop under the load of an afterloaded contraction; `held` is it before.
+    /// The cell that has left its stop under this part of the load of an afterloaded contraction; `held` is it before.
     pub(super) fn loaded<const D: usize, const N: usize>(
         &self,
         held: &Assembly<D>,
+        part: f64,
     ) -> Option<Assembly<D>>
     where
         Self: Space<D, N>,
@@ -327,6 +388,7 @@ impl Simulation {
             Space::assemble(self, SupportKind::ClampedEnd.into(), *resting_length);
         body.positions.clone_from(&held.body.positions);
         let spring = self.material.spring_stiffness(SpringKind::Axial);
+        let load = part * load;
         let grip = LoadedEnd::new(self.body_mesh(), self.axis(), &body.positions, spring, load);
         system.passive.push(Box::new(grip));
         let (meter, gauges) = (meter.clone(), gauges.clone());

@@ -3,6 +3,7 @@
 use crate::analysis::shape::ShapeMeter;
 use crate::mechanics::Vectors;
 use crate::mesh::Mesh;
+use crate::mesh::shadow::Shadow;
 use crate::mesh::simplex::measure_at;
 use crate::mesh::thick::Thick;
 use crate::recording::{LENGTH_BOTTOM, LENGTH_TOP, THICKNESS, VOLUME};
@@ -12,8 +13,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(super) struct ThicknessMeter {
     thick: Arc<Thick>,
-    /// The area seen from above that each column has, um^2.
-    areas: Vec<f64>,
+    shadow: Shadow,
     /// The lowest and the highest point of each column, and the meter of each face.
     faces: [(Vec<u32>, ShapeMeter); 2],
 }
@@ -21,11 +21,7 @@ pub(super) struct ThicknessMeter {
 impl ThicknessMeter {
     /// Names, units and meanings of what it tells.
     pub(super) const TOLD: [[&'static str; 3]; 4] = [
-        [
-            THICKNESS,
-            "um",
-            "mean distance of the upper face from the lower one, weighted by the area at rest",
-        ],
+        [THICKNESS, "um", "mean thickness: volume over the area seen from above"],
         [VOLUME, "um^3", "volume of the cell"],
         [LENGTH_TOP, "um", "length of the upper face along the long axis"],
         [LENGTH_BOTTOM, "um", "length of the lower face along the long axis"],
@@ -39,28 +35,25 @@ impl ThicknessMeter {
             let points = chosen(&thick.mesh.points, &nodes);
             (nodes, ShapeMeter::new(points, axis, above.areas.clone()))
         };
-        Self {
-            thick: Arc::clone(thick),
-            areas: above.areas.clone(),
-            faces: [face(lowest), face(highest)],
-        }
+        let shadow = Shadow::of(&thick.mesh);
+        Self { thick: Arc::clone(thick), shadow, faces: [face(lowest), face(highest)] }
     }
 
-    /// The values in the order of [`ThicknessMeter::TOLD`]. A flat body has none.
-    pub(super) fn read<const D: usize>(&self, positions: &Vectors<D>) -> Vec<f64> {
-        let [x, y, z] = &positions[..] else { return Vec::new() };
-        let Self { thick, areas, faces: [(lowest, below), (highest, above)] } = self;
-        let columns = lowest.iter().zip(highest).zip(areas);
-        let height = columns
-            .map(|((low, high), area)| area * (z[*high as usize] - z[*low as usize]))
-            .sum::<f64>();
+    /// The area seen from above, um^2.
+    pub(super) fn area<const D: usize>(&self, positions: &Vectors<D>) -> f64 {
+        self.shadow.area(&[&positions[0], &positions[1]])
+    }
+
+    /// The values in the order of [`ThicknessMeter::TOLD`], given the area seen from above, um^2. A flat body has none.
+    pub(super) fn read<const D: usize>(&self, positions: &Vectors<D>, area: f64) -> Vec<f64> {
+        let [x, y, _] = &positions[..] else { return Vec::new() };
+        let Self { thick, faces: [(lowest, below), (highest, above)], .. } = self;
         let length = |nodes: &[u32], meter: &ShapeMeter| {
             let plane = [x, y].map(|of| nodes.iter().map(|&node| of[node as usize]).collect());
             meter.measure(&plane).length
         };
         let volume = volume(&thick.mesh, positions);
-        let thickness = height / areas.iter().sum::<f64>();
-        vec![thickness, volume, length(highest, above), length(lowest, below)]
+        vec![volume / area, volume, length(highest, above), length(lowest, below)]
     }
 }
 

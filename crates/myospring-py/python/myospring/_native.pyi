@@ -388,6 +388,7 @@ def beat_pictures(
     pattern: str | None,
     table: str | PathLike[str] | None,
     pictures: list[str],
+    stacks: bool,
     given: dict[str, Any],
     figures: bool,
     jobs: int | None,

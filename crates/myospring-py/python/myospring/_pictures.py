@@ -111,6 +111,7 @@ def batch(
     pictures: str | PathLike[str] | Iterable[str | PathLike[str]],
     *,
     pattern: str | None = None,
+    stacks: bool = False,
     output: str | PathLike[str] | None = None,
     figures: bool = False,
     threads: int | None = None,
@@ -148,6 +149,8 @@ def batch(
         and settings of its own; or the files themselves.
     pattern : str or None
         In a folder, only files whose name matches: ``"*_actinin.tif"``.
+    stacks : bool
+        Whether each file is a stack of slices, with one thick cell. In a table, a column ``stack`` instead of ``file`` says so.
     output : path or None
         Folder in which all that is done is kept, with overlays and tables: the same call goes on where it was. None
         keeps nothing.
@@ -247,7 +250,7 @@ def batch(
     folder, table, files = _found(pictures)
     results = None if output is None else os.fspath(output)
     done = _native.beat_pictures(
-        folder, pattern, table, files, given, figures, threads, results, force, heard(progress)
+        folder, pattern, table, files, stacks, given, figures, threads, results, force, heard(progress)
     )
     made = Batch(*done)
     failed = made.failed

@@ -18,6 +18,7 @@ use crate::clock::Stopwatch;
 use crate::interruption::Interruption;
 use crate::output::files::{self, Manifest};
 use crate::output::page::PageError;
+use crate::run_file::SHAPES;
 use crate::settings::{Run, Value};
 use crate::study::pictures::{self, CellRow, Picture};
 use crate::study::{self, Cause, Journal, Row as _, Status, Threads};
@@ -35,6 +36,8 @@ const PARQUET: &str = "cells.parquet";
 pub struct Batch {
     /// Which pictures.
     pub pictures: Pictures,
+    /// Whether each file is a stack of slices with one thick cell, as a column `stack` of a table says of its files.
+    pub stacks: bool,
     /// Settings that all share; those that a table gives override them.
     pub settings: Vec<ChosenSetting>,
     /// Whether curves and figures of each cell are kept, in a folder of its own.
@@ -104,13 +107,29 @@ impl Batch {
         interruption: &Interruption,
     ) -> Result<PreparedBatch<'a>, ExperimentError> {
         let started = Stopwatch::start();
-        let (pictures, notes) = self.pictures.find(self.target.as_deref(), files)?;
+        if let Some((setting, _)) =
+            self.settings.iter().find(|(setting, _)| SHAPES.contains(&setting.key))
+        {
+            let option = setting.option.map_or(setting.key, |option| option.name);
+            let message =
+                format!("{option} names one cell, and a batch takes its cells from its files");
+            return Err(ExperimentError::new(message)
+                .advise("leave it out; give --stacks (stacks = True in Python) if the files are stacks of slices"));
+        }
+        let (mut pictures, notes) = self.pictures.find(self.target.as_deref(), files)?;
+        for picture in &mut pictures {
+            picture.is_stack |= self.stacks;
+        }
         // Every setting is checked once, before any picture is opened.
         for picture in &pictures {
             self.settled(picture, files, interruption)?;
         }
-        let first = pictures.first().map(|picture| picture.path.clone()).unwrap_or_default();
-        let common = self.settled(&Picture::new(String::new(), first), files, interruption)?;
+        let common = pictures.first().map(|first| Picture {
+            is_stack: first.is_stack,
+            ..Picture::new(String::new(), first.path.clone())
+        });
+        let common = common.unwrap_or_else(|| Picture::new(String::new(), PathBuf::new()));
+        let common = self.settled(&common, files, interruption)?;
         let (mut journal, mut manifest) = (Journal::in_memory(), None);
         if let Some(target) = &self.target {
             let settings = self.settings_text(&common, target);
@@ -148,7 +167,9 @@ impl Batch {
     /// Every setting that results depend on, as text.
     fn settings_text(&self, run: &Run, target: &Path) -> String {
         let mut file = run.to_run_file();
-        file.remove("shape.picture");
+        for shape in SHAPES {
+            file.remove(shape);
+        }
         for path in file.paths_mut() {
             *path = inputs::relative(Path::new(&*path), target).unwrap_or_else(|| path.clone());
         }

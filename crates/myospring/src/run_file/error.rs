@@ -34,6 +34,15 @@ pub enum Origin {
 }
 
 impl Origin {
+    /// Whether values of both were given together, so that neither overrides the other: options, or one line of a table.
+    pub(super) fn stands_beside(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Option(_), Self::Option(_)) => true,
+            (Self::Table { line, .. }, Self::Table { line: others, .. }) => line == others,
+            _ => false,
+        }
+    }
+
     /// The place of a span in a text.
     pub fn in_text(file: &str, text: &str, span: Range<usize>) -> Self {
         let before = &text[..span.start.min(text.len())];

@@ -15,12 +15,13 @@ use crate::units::{self, Dimension};
 
 type Checked = Result<(), Failure>;
 
+/// Keys that name the shape of the cell.
+pub(crate) const SHAPES: [&str; 4] =
+    ["shape.built_in", "shape.picture", "shape.outline", "shape.stack"];
+
 /// Keys of which only one may be given, and the advice for users who give two.
 const ALTERNATIVES: [(&[&str], &str); 6] = [
-    (
-        &["shape.built_in", "shape.picture", "shape.outline", "shape.stack"],
-        "a cell has one shape; leave one of them out",
-    ),
+    (&SHAPES, "a cell has one shape; leave one of them out"),
     (
         &["shape.stack", "shape.profile"],
         "a stack shows how thick the cell is in each place; leave the profile out",
@@ -152,7 +153,9 @@ pub(super) fn put_out_of_force(
         "numerics.integrator" if word == Some("quasi-static") => vec!["numerics.time_step"],
         _ => {
             let groups = ALTERNATIVES.iter().map(|(keys, _)| *keys);
-            groups.filter(|keys| keys.contains(&key)).flatten().copied().collect()
+            let others = groups.filter(|keys| keys.contains(&key)).flatten().copied();
+            // Only another shape takes the place of a shape.
+            others.filter(|other| SHAPES.contains(&key) || !SHAPES.contains(other)).collect()
         }
     }
 }
@@ -462,7 +465,7 @@ fn fibre(file: &RunFile, run: &Run) -> Checked {
         if run.sarcomere_length == FromPlaces::Picture {
             return exclude("shape.stack", "mechanics.sarcomere_length", ADVICE);
         }
-        if matches!(run.fibre, FibreDirection::Picture(_)) && file.has("mechanics.helix_angle") {
+        if matches!(run.fibre, FibreDirection::Picture(_)) && run.helix_angle != 0.0 {
             let advice = "the slices show how the fibres turn; leave it out, or give fibre = \"long axis\" or an angle";
             return exclude("mechanics.fibre", "mechanics.helix_angle", advice);
         }

@@ -304,7 +304,7 @@ impl Run {
             cells.interruption = self.interruption.clone();
         }
         let fibres = self.fibres(&shaped)?;
-        let Shaped { mesh, thick, mut report, outline, picture, .. } = shaped;
+        let Shaped { mesh, thick, mut report, outline, picture, stack } = shaped;
         report.warnings.extend(fibres.warnings.iter().cloned());
         let cells = picture.as_ref().map(|(cells, _)| cells);
         let chosen = self.shape.source.picture().map(|picture| &picture.options.selection);
@@ -367,7 +367,15 @@ impl Run {
         });
         let smooth = of_mask.and_then(|(_, cell)| trace_mask(&cell.mask, Edge::Smooth).ok());
         let outline = smooth.unwrap_or(outline);
+        let picture = picture.or_else(|| stack?.seen.clone());
         Ok(MeshedRun { simulation, report, outline, fibres, picture })
+    }
+
+    /// Whether the settings say how far the fibres turn through the thickness; otherwise the slices of a stack show it.
+    pub(super) fn states_turn(&self) -> bool {
+        let shown =
+            self.shape.slices().is_some() && matches!(self.fibre, FibreDirection::Picture(_));
+        self.shape.is_thick() && !shown
     }
 
     /// The fibres of a cell. Those of a stack are not read from its slices if the angle is stated by which they turn.
@@ -375,9 +383,8 @@ impl Run {
     /// # Errors
     /// Fibres that cannot be read.
     pub fn fibres(&self, shaped: &Shaped) -> Result<Fibres, FibresError> {
-        let states_turn = self.helix_angle != 0.0;
-        let shown =
-            shaped.shown().filter(|shown| !(states_turn && matches!(shown, Shown::Stack(_))));
+        let turned = self.helix_angle != 0.0;
+        let shown = shaped.shown().filter(|shown| !(turned && matches!(shown, Shown::Stack(_))));
         self.fibre.on(&shaped.mesh, shown)
     }
 

@@ -392,7 +392,13 @@ impl Shape {
         self.possible(impossible_size(length, outline.area(), areas_um2), || {
             (format!("Its pixels are {} um wide", found.pixel_um), "the pixel size (--pixel-size)")
         })?;
-        let stack = Some(Arc::new(StackCell { stack, voxels, options, report: found }));
+        let seen = PictureCells::outlined(&bytes.shape, outline.clone(), &picture.options);
+        let seen = seen.and_then(|cells| {
+            let cell = cells.cell(Choice::Largest, true)?;
+            Ok((cells, cell))
+        });
+        let seen = seen.ok();
+        let stack = Some(Arc::new(StackCell { stack, voxels, options, report: found, seen }));
         Ok(Shaped { mesh, thick: Some(Arc::new(thick)), report, outline, picture: None, stack })
     }
 

@@ -17,7 +17,7 @@ use crate::mesh::outline::Outline;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::segment::Choice;
 use crate::output::files;
-use crate::settings::{Fibres, MeshedRun, PictureSource, Run, ShapeError, Source};
+use crate::settings::{Fibres, MeshedRun, PictureSource, Run, ShapeError, Shaped, Source};
 use crate::simulation::{Outcome, Simulation, StopReason};
 use std::path::PathBuf;
 
@@ -39,13 +39,15 @@ pub struct Picture {
     pub given: Vec<TableSetting>,
     /// Files that these settings name.
     pub files: Vec<PathBuf>,
+    /// Whether it is a stack of slices, with one thick cell.
+    pub is_stack: bool,
 }
 
 impl Picture {
     /// Creates a picture without its own settings.
     pub fn new(name: String, path: PathBuf) -> Self {
-        let (file, group) = (name.clone(), None);
-        Self { name, file, path, group, given: Vec::new(), files: Vec::new() }
+        let (file, group, is_stack) = (name.clone(), None, false);
+        Self { name, file, path, group, given: Vec::new(), files: Vec::new(), is_stack }
     }
 
     /// Returns the row of this picture if only the reason for its failure is known.
@@ -65,10 +67,11 @@ impl Member for Picture {
     /// Hash of the picture and of its own settings and files.
     fn key(&self) -> Option<String> {
         let picture = sha256(&files::read(&self.path).ok()?);
-        if self.given.is_empty() && self.group.is_none() {
+        if self.given.is_empty() && self.group.is_none() && !self.is_stack {
             return Some(picture);
         }
         let mut parts = vec![picture, format!("{:?}", self.group)];
+        parts.extend(self.is_stack.then(|| "stack".to_owned()));
         parts.extend(self.given.iter().map(|given| format!("{} = {}", given.key, given.value)));
         for file in &self.files {
             parts.push(sha256(&files::read(file.as_ref()).ok()?));
@@ -175,6 +178,13 @@ fn found_and_beaten(
         return Err("the run has no picture as its shape; set shape.picture".into());
     };
     let bytes = run.shape.bytes(|file| files::read(file.as_ref()))?;
+    if run.shape.slices().is_some() {
+        let shaped = run.shape.mesh(&bytes)?;
+        let mut row = CellRow::of_stack(&picture.file, &shaped);
+        row.number("segment_s", start.elapsed().as_secs_f64());
+        let beaten = beat(picture, run, shaped, &mut row, keeper);
+        return ended(beaten, run, row).map(|row| vec![row]);
+    }
     // The overlay is written even if the picture is refused.
     let refused = |seen: &PictureCells, cause: ShapeError| -> Cause {
         let notes = [vec![cause.to_string()], seen.notes.clone()].concat();
@@ -207,11 +217,16 @@ fn found_and_beaten(
         row.number("segment_s", segment_s);
         if let Some(reason) = reason(&cell) {
             row.is_not_ok(Status::LeftOut, reason.to_string());
-        } else if let Err(cause) = beat(picture, run, &cells, cell, &mut row, keeper) {
-            run.interruption.check()?;
-            row.is_not_ok(Status::Failed, cause.to_string());
+            rows.push(row);
+            continue;
         }
-        rows.push(row);
+        let mut run = run.clone();
+        if let Some(choice) = run.shape.source.choice_mut() {
+            *choice = Choice::Number(cell.number);
+        }
+        let shaped = run.shape.mesh_cell(cells.clone(), cell).map_err(Cause::from);
+        let beaten = shaped.and_then(|shaped| beat(picture, &run, shaped, &mut row, keeper));
+        rows.push(ended(beaten, &run, row)?);
     }
     if rows.iter().all(|row| row.status == Status::LeftOut) {
         let reasons: Vec<String> = rows
@@ -249,18 +264,25 @@ fn chosen(
     Ok((chosen, failed))
 }
 
-/// Simulates one cell and adds its numbers to the row.
+/// The row of a cell whose simulation has ended, with the reason if it failed; an error only if it was interrupted.
+fn ended(beaten: Result<(), Cause>, run: &Run, mut row: CellRow) -> Result<CellRow, Cause> {
+    if let Err(cause) = beaten {
+        run.interruption.check()?;
+        row.is_not_ok(Status::Failed, cause.to_string());
+    }
+    Ok(row)
+}
+
+/// Simulates one cell, which the run chooses, and adds its numbers to the row.
 fn beat(
     picture: &Picture,
     run: &Run,
-    cells: &PictureCells,
-    cell: PictureCell,
+    shaped: Shaped,
     row: &mut CellRow,
     keeper: &impl Keeper,
 ) -> Result<(), Cause> {
     let start = Stopwatch::start();
-    let (name, number) = (cell.name.clone(), cell.number);
-    let shaped = run.shape.mesh_cell(cells.clone(), cell)?;
+    let name = row.cell.clone().unwrap_or_default();
     let MeshedRun { simulation, report, outline, fibres, .. } =
         run.make(shaped, |file| files::read(file.as_ref()))?;
     let spacing_um = report.spacing_um;
@@ -282,10 +304,7 @@ fn beat(
     let summary = Summary::new(&finished.recording, &stimuli, s2_ms, report, warnings)
         .with_about_model(simulation.pace(&finished.beats()).about_model());
     row.metrics(&summary);
-    let mut own = Run { fibre: fibres.taken, ..run.clone() };
-    if let Some(choice) = own.shape.source.choice_mut() {
-        *choice = Choice::Number(number);
-    }
+    let own = Run { fibre: fibres.taken, ..run.clone() };
     let (simulation, finished, run) = (&simulation, &finished, &own);
     keeper.beaten(&SimulatedCell {
         picture,

@@ -12,6 +12,7 @@ use myospring::mechanics::support::SupportKind;
 use myospring::mesh::built_in;
 use myospring::mesh::outline::Outline;
 use myospring::mesh::profile::Profile;
+use myospring::mesh::surface;
 use myospring::mesh::thick::{self, Form};
 use myospring::recording::{LENGTH_BOTTOM, LENGTH_TOP, THICKNESS, VOLUME};
 use myospring::simulation::{Outcome, Simulation};
@@ -213,6 +214,85 @@ fn supports_that_hold_ends_and_contents_by_place_serve_a_thick_cell() {
     simulation.myofibril_content = None;
     simulation.peak_tension = 25.0;
     assert!((peak(&simulation) - half).abs() < 1e-3, "{half}");
+}
+
+#[test]
+fn ends_that_are_held_or_loaded_serve_a_thick_cell_of_any_form() {
+    let of = |profile: Profile, support: SupportKind, end_stretch: f64| {
+        let form = Form { profile, thickness: 8.0 };
+        let mut simulation = cell(&built_in::adult_ventricular(), form, 4.0);
+        (simulation.support, simulation.end_stretch) = (support, end_stretch);
+        let force = |name: &str| beaten(&simulation).beats()[0].value(name);
+        force(if support == SupportKind::ClampedEnds {
+            "peak_end_force"
+        } else {
+            "peak_shortening"
+        })
+        .unwrap()
+    };
+    let clamped = SupportKind::ClampedEnds;
+    for profile in [Profile::Dome, Profile::Slab, Profile::Round] {
+        let [unstretched, stretched] = [1.0, 1.08].map(|stretch| of(profile, clamped, stretch));
+        assert!(unstretched > 0.0 && stretched > 0.0, "{unstretched} nN, {stretched} nN");
+        // A load of half of what it can pull still lets it shorten.
+        let load = 0.5 * unstretched;
+        let [light, heavy] =
+            [0.2 * load, load].map(|load| of(profile, SupportKind::AfterloadedEnds { load }, 1.0));
+        assert!(light > heavy && heavy > 0.0, "{light} %, {heavy} %");
+    }
+}
+
+#[test]
+fn a_cell_that_twists_has_the_area_of_its_shadow_and_keeps_its_volume() {
+    let mut simulation = block();
+    let thick = simulation.thick.clone().unwrap();
+    simulation.fibres_in_space = Some(thick.turned(&simulation.fibres, 60_f64.to_radians()));
+    let outcome = beaten(&simulation);
+    // Against a picture of the cell: the centres of pixels of 0.05 um that lie in any of the projected faces.
+    let frame =
+        outcome.recording.in_space.iter().max_by(|a, b| a.ta_kpa.total_cmp(&b.ta_kpa)).unwrap();
+    let [x, y, _] = &frame.positions;
+    let (low, pixel) = ([-40.0, -20.0], 0.05);
+    let [columns, rows] = [1600, 800];
+    let mut covered = vec![false; columns * rows];
+    for face in surface::quads(&thick.mesh) {
+        let [a, b, c, d] = face.map(|node| [x[node as usize], y[node as usize]]);
+        for corners in [[a, b, c], [a, c, d]] {
+            let turn = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
+                (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+            };
+            let bounds = [0, 1].map(|axis: usize| {
+                let places = corners.map(|corner| (corner[axis] - low[axis]) / pixel);
+                [
+                    places.iter().fold(f64::INFINITY, |a, b| a.min(*b)) as usize,
+                    places.iter().fold(0.0_f64, |a, b| a.max(*b)) as usize,
+                ]
+            });
+            for row in bounds[1][0]..=bounds[1][1] {
+                for column in bounds[0][0]..=bounds[0][1] {
+                    let at = [
+                        low[0] + (column as f64 + 0.5) * pixel,
+                        low[1] + (row as f64 + 0.5) * pixel,
+                    ];
+                    let turns =
+                        [0, 1, 2].map(|k: usize| turn(corners[k], corners[(k + 1) % 3], at));
+                    let inside = turns.iter().all(|turn| *turn >= 0.0)
+                        || turns.iter().all(|turn| *turn <= 0.0);
+                    covered[row * columns + column] |= inside;
+                }
+            }
+        }
+    }
+    let picture = covered.iter().filter(|inside| **inside).count() as f64 * pixel * pixel;
+    let samples = &outcome.recording.samples;
+    let at = samples.iter().position(|sample| sample.t_ms == frame.t_ms).unwrap();
+    assert!(
+        (samples[at].area_um2 / picture - 1.0).abs() < 2e-3,
+        "{} um^2, {picture} um^2",
+        samples[at].area_um2
+    );
+    let [thickness, volume] = [THICKNESS, VOLUME].map(|name| signal(&outcome, name)[at]);
+    assert!((thickness * samples[at].area_um2 / volume - 1.0).abs() < 1e-6);
 }
 
 /// Largest force along the axis on a gel of this modulus, nN, and the last forces in space.

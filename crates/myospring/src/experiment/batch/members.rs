@@ -4,7 +4,7 @@ use crate::experiment::input::{self, ChosenSetting};
 use crate::experiment::{ExperimentError, Files};
 use crate::interruption::Interruption;
 use crate::run_file::Origin;
-use crate::settings::{PICTURE_ENDINGS, Run};
+use crate::settings::{PICTURE_ENDINGS, Run, Value};
 use crate::study::pictures::{self, ChosenCell, Picture, read_table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -218,7 +218,11 @@ pub(super) fn settled(
     if picture.given.iter().any(is_every) {
         settings.retain(|(setting, _)| !CHOICES.contains(&setting.key));
     }
-    Ok(input::settle_with(Some(&picture.path), &settings, own, files, interruption)?.1)
+    let path = picture.path.to_string_lossy().into_owned();
+    let stack =
+        picture.is_stack.then(|| (Origin::Option(path.clone()), "shape.stack", Value::Text(path)));
+    let shape = Some(&*picture.path).filter(|_| !picture.is_stack);
+    Ok(input::settle_with(shape, &settings, stack.into_iter().chain(own), files, interruption)?.1)
 }
 
 /// All cells unless the picture's settings or those of all name one.

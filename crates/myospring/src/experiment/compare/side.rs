@@ -14,7 +14,7 @@ use crate::output::figure::{ComparedRun, key_shapes};
 use crate::output::files::{MANIFEST, Manifest};
 use crate::output::{csv, frames};
 use crate::recording::{Frame, Recording};
-use crate::run_file::RunFile;
+use crate::run_file::{RunFile, SHAPES};
 use crate::settings::{MeshedRun, Run};
 use crate::simulation::{InSpace, Outcome as Simulated, Simulation};
 use crate::study::sha256;
@@ -164,9 +164,7 @@ fn record(folder: &Path) -> serde_json::Value {
 
 /// The message for runs that name the same picture if its content differed between them.
 pub(super) fn other_pictures(sides: &[Side], files: &[&RunFile]) -> Option<String> {
-    let file = |at: usize| {
-        ["shape.picture", "shape.outline"].into_iter().find_map(|key| files[at].get(key).cloned())
-    };
+    let file = |at: usize| SHAPES.into_iter().find_map(|key| files[at].get(key).cloned());
     let first = sides.first()?;
     let (_, changed) = sides.iter().enumerate().find(|(at, side)| {
         file(*at).is_some()

@@ -227,7 +227,7 @@ pub(super) const ROWS: &[Setting] = &[
         "mechanics.helix_angle",
         "Angle by which the fibres of a thick cell turn from its lowest to its highest point, counter-clockwise as seen from above.",
         Bounds::any(Dimension::Angle, "40 deg").from(-180.0).to(180.0),
-        |run| run.shape.is_thick().then_some(run.helix_angle),
+        |run| run.states_turn().then_some(run.helix_angle),
         |run, angle| run.helix_angle = angle,
     )
     .otherwise("0 deg")

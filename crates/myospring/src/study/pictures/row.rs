@@ -3,7 +3,7 @@
 use crate::analysis::summary::Summary;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::output::table::{Column, Table, column_name};
-use crate::settings::{FibreReport, SeenReport};
+use crate::settings::{FibreReport, SeenReport, Shaped};
 use crate::study::{Row, Status};
 use serde::{Deserialize, Serialize};
 
@@ -55,6 +55,31 @@ impl CellRow {
         row.number("solidity", shape.solidity);
         row.number("circularity", shape.circularity);
         row.number("pixels_on_frame", shape.pixels_on_frame as f64);
+        row
+    }
+
+    /// The row of the cell of a stack before its simulation.
+    pub(super) fn of_stack(file: &str, shaped: &Shaped) -> Self {
+        let (found, size) =
+            (shaped.stack.as_deref().map(|it| &it.report), &shaped.report.dimensions);
+        let mut row = Self {
+            cell: Some("1".to_owned()),
+            status: Status::Ok,
+            modality: found.map(|found| found.modality.seen_as().to_owned()),
+            ..Self::failed(file, String::new())
+        };
+        row.number("pixel_size_um", found.map(|found| found.pixel_um));
+        row.number("z_step_um", found.map(|found| found.z_step_um));
+        row.number("confidence", found.map(|found| found.confidence.score));
+        row.number("contrast", found.and_then(|found| found.confidence.contrast));
+        row.number("area_um2", found.map(|found| found.area_um2));
+        row.number("length_um", size.length_um);
+        row.number("width_um", size.width_um);
+        row.number("mean_width_um", size.mean_width_um);
+        row.number("aspect_ratio", size.aspect_ratio);
+        row.number("long_axis_deg", size.long_axis_deg);
+        row.number("largest_thickness_um", found.map(|found| found.thickness_um));
+        row.number("volume_um3", found.map(|found| found.volume_um3));
         row
     }
 

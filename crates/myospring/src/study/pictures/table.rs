@@ -7,12 +7,14 @@ use crate::settings::{Setting, Value, ValueKind, table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Columns that name the picture.
+/// Columns that name the picture, and that of a stack of slices.
 const FILE: [&str; 2] = ["file", "picture"];
+const STACK: &str = "stack";
 /// Column that is copied to the results.
 const GROUP: &str = "group";
 /// Keys that are not columns: the title, and keys that would name the shape a second time.
-const NO_COLUMNS: [&str; 4] = ["title", "shape.built_in", "shape.picture", "shape.outline"];
+const NO_COLUMNS: [&str; 5] =
+    ["title", "shape.built_in", "shape.picture", "shape.outline", "shape.stack"];
 /// How many missing files are named.
 const FEW: usize = 10;
 
@@ -58,7 +60,7 @@ pub enum TableError {
         name: String,
     },
     /// No column of files.
-    #[error("`{table}`, line 1: no column is named `file`; its columns are {columns}")]
+    #[error("`{table}`, line 1: no column is named `file` or `stack`; its columns are {columns}")]
     NoFiles {
         /// The table.
         table: String,
@@ -135,7 +137,7 @@ pub struct TableSetting {
 /// The meaning of a column.
 #[derive(Clone, Copy)]
 enum Column {
-    File,
+    File { is_stack: bool },
     Group,
     Setting(&'static Setting),
 }
@@ -143,7 +145,7 @@ enum Column {
 impl Column {
     fn name(self) -> &'static str {
         match self {
-            Self::File => FILE[0],
+            Self::File { .. } => FILE[0],
             Self::Group => GROUP,
             Self::Setting(setting) => setting.key,
         }
@@ -152,8 +154,8 @@ impl Column {
     /// The column of a name: that of an option or key, with or without the unit behind it.
     fn of(name: &str) -> Option<Self> {
         let name = plain(name);
-        if FILE.contains(&name.as_str()) {
-            return Some(Self::File);
+        if FILE.contains(&name.as_str()) || name == STACK {
+            return Some(Self::File { is_stack: name == STACK });
         }
         if name == GROUP {
             return Some(Self::Group);
@@ -187,7 +189,7 @@ fn settings() -> impl Iterator<Item = &'static Setting> {
 
 /// Reads a table of pictures: `bytes` are those of the file `name`, and files are looked for in `folder`.
 ///
-/// The first line names the columns: `file`; `group`, which is copied to the results; and any
+/// The first line names the columns: `file`, or `stack` for stacks of slices; `group`, which is copied to the results; and any
 /// option or key of a setting. Values are written as options take them, numbers also without their
 /// unit, which is then um, ms, kPa and so on; an empty one leaves the common setting unchanged.
 /// Commas, semicolons or tabs separate the columns. Several lines may name one file, for several of
@@ -281,7 +283,7 @@ fn columns(names: &csv::StringRecord, table: &str) -> Result<Vec<Option<Column>>
         }
         columns.push(column);
     }
-    if !columns.iter().any(|column| matches!(column, Some(Column::File))) {
+    if !columns.iter().any(|column| matches!(column, Some(Column::File { .. }))) {
         let columns: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
         let (table, columns) = (table.to_owned(), columns.join(", "));
         return Err(TableError::NoFiles { table, columns });
@@ -294,6 +296,7 @@ fn columns(names: &csv::StringRecord, table: &str) -> Result<Vec<Option<Column>>
 struct Line {
     number: u64,
     file: Option<String>,
+    is_stack: bool,
     group: Option<String>,
     given: Vec<TableSetting>,
     /// Other files, each with its column.
@@ -315,7 +318,9 @@ impl Line {
     ) {
         match column {
             None => {}
-            Some(Column::File) => self.file = Some(value.to_owned()),
+            Some(Column::File { is_stack }) => {
+                (self.file, self.is_stack) = (Some(value.to_owned()), is_stack);
+            }
             Some(Column::Group) => self.group = Some(value.to_owned()),
             Some(Column::Setting(setting)) => {
                 let mut value = read(setting, value, decimal_commas);
@@ -392,14 +397,14 @@ fn checked(lines: Vec<Line>, table: String, folder: &Path) -> Result<Vec<Picture
         if let Some(first) = seen.insert(line.content(), line.number) {
             return Err(TableError::Twice { table, line: line.number, first });
         }
-        let Line { file, group, given, files, .. } = line;
+        let Line { file, is_stack, group, given, files, .. } = line;
         let file = file.unwrap_or_default();
         let count = of_file.entry(file.clone()).or_default();
         *count += 1;
         let name = if *count == 1 { file.clone() } else { format!("{file}-{count}") };
         let path = folder.join(&file);
         let files = files.into_iter().map(|(path, _)| path).collect();
-        pictures.push(Picture { name, file, path, group, given, files });
+        pictures.push(Picture { name, file, path, group, given, files, is_stack });
     }
     Ok(pictures)
 }
