@@ -2,12 +2,12 @@
 
 use super::{Mesh, surface};
 
-/// Lines along x in each row of the lattice at rest.
-const LINES: f64 = 4.0;
+/// Lines in each row of the lattice at rest.
+const LINES: f64 = 8.0;
 
 /// The shadow that a mesh of cubes casts along z.
 ///
-/// Lines along x, at equal distances over the whole extent in y, are cut with the faces that look up. What the cuts of a line cover
+/// Lines across the longer extent, at equal distances over all of it, are cut with the faces that look up. What the cuts of a line cover
 /// together, times the distance of the lines, is the area: at rest without error, as the rows of the lattice begin and end between lines.
 ///
 /// # Example
@@ -39,40 +39,50 @@ impl Shadow {
 
     /// Its area in given positions along x and y, um^2.
     pub fn area(&self, [x, y]: &[&Vec<f64>; 2]) -> f64 {
-        let corners = || self.triangles.iter().flatten().map(|&node| y[node as usize]);
-        let (low, high) = corners()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
-        let lines = ((high - low) / self.apart).round().max(1.0);
+        let extent = |places: &[f64]| {
+            let corners = self.triangles.iter().flatten().map(|&node| places[node as usize]);
+            corners.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
+                [low.min(place), high.max(place)]
+            })
+        };
+        let extents = [extent(x), extent(y)];
+        let [width, height] = extents.map(|[low, high]| high - low);
+        let (extent, along) = if width > height { (width, 0) } else { (height, 1) };
+        let lines = (extent / self.apart).round().max(1.0);
         if !lines.is_finite() {
             return 0.0;
         }
-        let step = (high - low) / lines;
+        let (low, step) = (extents[along][0], extent / lines);
         let mut cuts: Vec<Vec<[f64; 2]>> = vec![Vec::new(); lines as usize];
         for triangle in &self.triangles {
-            let corners = triangle.map(|node| [x[node as usize], y[node as usize]]);
-            let [a, b, c] = corners;
+            let [a, b, c] = triangle.map(|node| [x[node as usize], y[node as usize]]);
             let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
             if twice > 0.0 {
-                cut(corners, (low, step), &mut cuts);
+                cut(
+                    [a, b, c].map(|corner| [corner[along], corner[1 - along]]),
+                    (low, step),
+                    &mut cuts,
+                );
             }
         }
         step * cuts.iter_mut().map(|cuts| covered(cuts)).sum::<f64>()
     }
 }
 
-/// Adds what the lines cut off a triangle; the first is half a step above the lowest place.
+/// Adds what the lines cut off a triangle, whose corners are given by the place along the extent and the one across it; the first line is
+/// half a step above the lowest place.
 fn cut(corners: [[f64; 2]; 3], (low, step): (f64, f64), cuts: &mut [Vec<[f64; 2]>]) {
-    let [least, most] = [f64::min, f64::max]
-        .map(|of: fn(f64, f64) -> f64| of(of(corners[0][1], corners[1][1]), corners[2][1]));
-    let number = |y: f64| ((y - low) / step - 0.5).ceil().max(0.0) as usize;
+    let [a, b, c] = corners.map(|corner| corner[0]);
+    let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+    let number = |place: f64| ((place - low) / step - 0.5).ceil().max(0.0) as usize;
     let lines = number(least)..number(most).min(cuts.len());
     for (line, cuts) in cuts[lines.clone()].iter_mut().enumerate() {
-        let y = low + ((lines.start + line) as f64 + 0.5) * step;
+        let place = low + ((lines.start + line) as f64 + 0.5) * step;
         let mut span = [f64::INFINITY, f64::NEG_INFINITY];
         for side in 0..3 {
             let [from, to] = [corners[side], corners[(side + 1) % 3]];
-            if (from[1] <= y) != (to[1] <= y) {
-                let at = from[0] + (to[0] - from[0]) * ((y - from[1]) / (to[1] - from[1]));
+            if (from[0] <= place) != (to[0] <= place) {
+                let at = from[1] + (to[1] - from[1]) * ((place - from[0]) / (to[0] - from[0]));
                 span = [span[0].min(at), span[1].max(at)];
             }
         }

@@ -77,7 +77,9 @@ impl Stack {
             if let (Some(own), Some(given)) = (own, given)
                 && (own - given).abs() > SAME * own
             {
-                notes.push(format!("the {what} is {given} um as given, but {own} um in the file"));
+                notes.push(format!(
+                    "the {what} is {given} um as given, but {own:.4} um in the file"
+                ));
             }
         }
         notes

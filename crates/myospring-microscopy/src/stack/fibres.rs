@@ -71,6 +71,11 @@ impl StackFibres {
         !self.fields.is_empty()
     }
 
+    /// The field of the middle one of the slices that show a direction, and its height, um.
+    pub fn middle(&self) -> Option<(f64, &FibreField)> {
+        self.fields.get(self.fields.len() / 2).map(|(height, field)| (*height, field))
+    }
+
     /// The direction at a point (um; y and z upward), a unit vector: between two slices with a direction it turns evenly from one to the other,
     /// below the lowest and above the highest it is theirs. `None` if no slice shows one.
     pub fn at(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {

@@ -4,6 +4,7 @@ use crate::mesh::Mesh;
 use crate::microscopy::cells::{PictureCell, PictureCells};
 use crate::microscopy::fibres::Fibre;
 use crate::microscopy::outlines::NamedOutline;
+use crate::microscopy::stack::StackFibres;
 use crate::output::figure::{self, Contour, Figure, FigureError, Overlay, Sarcomeres, Tick};
 use crate::settings::Fibres;
 
@@ -33,6 +34,9 @@ pub(super) struct Lattice<'a> {
 
 impl Lattice<'_> {
     fn ticks(&self) -> Vec<Tick> {
+        if let Some((_, field)) = self.fibres.slices.as_ref().and_then(StackFibres::middle) {
+            return field.on_grid(TICKS_UM).iter().map(tick).collect();
+        }
         let Some(seen) = &self.fibres.seen else {
             let triangles = self.mesh.simplices.iter().zip(&self.fibres.directions);
             return triangles

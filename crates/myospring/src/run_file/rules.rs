@@ -370,8 +370,9 @@ fn tissue(file: &RunFile, run: &Run) -> Checked {
         return exclude(key, "stimulus.wave_speed", advice);
     }
     if run.shape.is_thick() {
-        let advice = "a tissue is a flat sheet, whose thickness is that of its material; leave the profile out";
-        return exclude(key, "shape.profile", advice);
+        let advice =
+            "a tissue is a flat sheet, whose thickness is that of its material; leave it out";
+        return exclude(key, thick_by(run), advice);
     }
     if run.numerics.cell.method.chooses_steps() {
         let advice = "coupled cells need fixed steps; take forward-euler, rush-larsen or runge-kutta-4, or leave the method out";
@@ -390,10 +391,19 @@ fn shape(file: &RunFile, run: &Run) -> Checked {
     const ADVICE: &str = "this applies only to pictures; leave it out";
     let source = match run.shape.source {
         Source::Picture(_) => {
+            let slices = run.shape.slices().is_some();
+            let source = if slices { "shape.stack" } else { "shape.picture" };
             if file.has("shape.rotate") {
                 let advice =
                     "pictures are not rotated; the fibres follow the long axis of the cell anyway";
-                return exclude("shape.picture", "shape.rotate", advice);
+                return exclude(source, "shape.rotate", advice);
+            }
+            if slices && file.has("segmentation.z") {
+                return exclude(
+                    source,
+                    "segmentation.z",
+                    "all slices of a stack are read; leave it out",
+                );
             }
             let areas = run.shape.source.picture().map(|picture| picture.options.areas_um2);
             if areas.is_some_and(|[least, most]| least >= most) {
@@ -423,6 +433,11 @@ const OF_STACK: [&str; 3] = ["shape.z_step", "shape.first_slice", "shape.stack_s
 const OF_FLAT: [&str; 3] =
     ["material.area_law", "material.area_modulus", "material.spring_stiffness"];
 
+/// The key that makes a cell thick, or would.
+fn thick_by(run: &Run) -> &'static str {
+    if run.shape.slices().is_some() { "shape.stack" } else { "shape.profile" }
+}
+
 fn profile(file: &RunFile, run: &Run) -> Checked {
     if run.shape.slices().is_none()
         && let Some(second) = OF_STACK.into_iter().find(|key| file.has(key))
@@ -443,7 +458,7 @@ fn profile(file: &RunFile, run: &Run) -> Checked {
         )
     };
     match others.iter().find(|key| file.has(key)) {
-        Some(second) => exclude("shape.profile", second, advice),
+        Some(second) => exclude(thick_by(run), second, advice),
         None => Ok(()),
     }
 }

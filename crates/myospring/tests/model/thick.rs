@@ -287,7 +287,7 @@ fn a_cell_that_twists_has_the_area_of_its_shadow_and_keeps_its_volume() {
     let samples = &outcome.recording.samples;
     let at = samples.iter().position(|sample| sample.t_ms == frame.t_ms).unwrap();
     assert!(
-        (samples[at].area_um2 / picture - 1.0).abs() < 2e-3,
+        (samples[at].area_um2 / picture - 1.0).abs() < 1e-3,
         "{} um^2, {picture} um^2",
         samples[at].area_um2
     );

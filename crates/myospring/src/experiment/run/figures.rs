@@ -5,6 +5,7 @@ use super::finished::Finished;
 use crate::analysis::bands::{Band, band};
 use crate::experiment::overlay::{self, Lattice};
 use crate::experiment::{Draw, ExperimentError, Folder};
+use crate::microscopy::stack::StackFibres;
 use crate::output::field::Fields;
 use crate::output::figure::{self, ContractionOptions, DrawnThickCell, FigureError};
 
@@ -41,7 +42,13 @@ pub(in crate::experiment) fn write(
     let overlay = || {
         let (cells, cell) = picture.as_ref().ok_or(FigureError::Nothing { what: "pictures" })?;
         let lattice = Some(Lattice { mesh, fibres });
-        overlay::draw(name, cells, &[cell], lattice, &numbers.summary.warnings)
+        let middle = fibres.slices.as_ref().and_then(StackFibres::middle);
+        let of_slice = middle.map(|(height, _)| {
+            format!("the picture is the brightest of each place; the fibres are those of the slice at {height:.1} um")
+        });
+        let notes: Vec<String> =
+            of_slice.into_iter().chain(numbers.summary.warnings.iter().cloned()).collect();
+        overlay::draw(name, cells, &[cell], lattice, &notes)
     };
     let in_space = || {
         let (thick, cell) = simulation
