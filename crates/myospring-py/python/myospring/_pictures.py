@@ -134,6 +134,9 @@ def batch(
     max_area_um2: float | None = None,
     allow_cut: bool = False,
     outline: str | PathLike[str] | None = None,
+    z_step_um: float | None = None,
+    first_slice: Literal["bottom", "top"] | None = None,
+    stack_stain: Literal["auto", "filled", "membrane"] | None = None,
     # </signature>
     **settings: Unpack[BeatSettings],
 ) -> Batch:
@@ -208,6 +211,14 @@ def batch(
     outline : str or PathLike[str] or None
         Outline of the cell drawn on the picture in another program, instead of segmentation:
         GeoJSON, ImageJ's .roi or RoiSet .zip, Cellpose's _outlines.txt.
+    z_step_um : float or None
+        Distance of two slices of a stack. What the file states are steps of the stage; through a
+        dry objective the focus moves further. In um, 0.001 um to 50 um. None: the stack's own.
+    first_slice : {"bottom", "top"} or None
+        Where the first slice of a stack lies: bottom, where the cell stands on its support, or top.
+        None: bottom.
+    stack_stain : {"auto", "filled", "membrane"} or None
+        What of the cell is bright in a stack. None: auto.
     **settings
         How the cells beat: the settings of `simulate`, with its names, units and defaults.
 
@@ -244,6 +255,9 @@ def batch(
         ("segmentation.max_area", max_area_um2, None),
         ("segmentation.allow_cut", allow_cut, False),
         ("segmentation.outline", outline, None),
+        ("shape.z_step", z_step_um, None),
+        ("shape.first_slice", first_slice, None),
+        ("shape.stack_stain", stack_stain, None),
     )
     # </given>
     given |= given_of_beat("batch", settings)
