@@ -17,9 +17,9 @@ pub fn slope(x: &[f64], y: &[f64]) -> f64 {
 }
 
 /// The largest distance between the nodes of two shapes, um.
-pub fn farthest(a: &Vectors, b: &Vectors) -> f64 {
-    let pairs = a[0].iter().zip(&b[0]).zip(a[1].iter().zip(&b[1]));
-    pairs.map(|((ax, bx), (ay, by))| (ax - bx).hypot(ay - by)).fold(0.0, f64::max)
+pub fn farthest<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
+    let apart = |node: usize| a.iter().zip(b).map(|(a, b)| a[node] - b[node]).fold(0.0, f64::hypot);
+    (0..a[0].len()).map(apart).fold(0.0, f64::max)
 }
 
 /// The affine map that brings resting points nearest to their positions by least squares, and the

@@ -53,6 +53,14 @@ pub(super) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Expe
         let both = forces[axis].iter().zip(&mesh.areas);
         both.map(|(force, area)| 1000.0 * force / area).collect()
     };
+    // Of a thick cell, which also presses on the gel and lifts it: the sum over each column of its points.
+    let in_space = outcome.recording.in_space.iter().find(|shape| shape.t_ms == frame.t_ms);
+    let upward = simulation.thick.as_ref().zip(in_space).and_then(|(thick, shape)| {
+        let [_, _, up] = shape.on_gel_nn.as_ref()?;
+        let sum = |column: &Vec<u32>| column.iter().map(|&node| up[node as usize]).sum::<f64>();
+        let both = thick.columns.iter().map(sum).zip(&mesh.areas);
+        Some(("traction_z_Pa", both.map(|(force, area)| 1000.0 * force / area).collect()))
+    });
     let column = |(name, values): (&str, Vec<f64>)| Column::Number {
         name: name.to_owned(),
         values: values.into_iter().map(Some).collect(),
@@ -67,7 +75,8 @@ pub(super) fn write(folder: &Folder, finished: &Finished<'_>) -> Result<(), Expe
         ("area_um2", mesh.areas.clone()),
     ];
     let adhesion = simulation.adhesion.clone().map(|values| ("adhesion", values));
-    let table = Table { columns: columns.into_iter().chain(adhesion).map(column).collect() };
+    let table =
+        Table { columns: columns.into_iter().chain(upward).chain(adhesion).map(column).collect() };
     folder.write("gel/tractions.csv", table.for_people().to_csv()?)?;
 
     let bed = GelBed::adhering(gel, mesh, simulation.long_axis, simulation.adhesion.as_deref())
