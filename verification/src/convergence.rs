@@ -78,7 +78,8 @@ fn end_to_end<const D: usize, const N: usize>(mesh: &Mesh<D, N>, shape: &Vectors
         }
         sum.map(|value| value / total)
     };
-    let apart = face(40.0).iter().zip(face(0.0)).map(|(end, start)| end - start);
+    let (start, end) = (face(0.0), face(40.0));
+    let apart = end.iter().zip(start).map(|(end, start)| end - start);
     1.0 - apart.fold(0.0, f64::hypot) / 40.0
 }
 

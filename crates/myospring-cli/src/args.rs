@@ -400,7 +400,7 @@ pub(crate) struct TractionArgs {
     myospring batch pictures --pixel-size \"0.27 um\" --output beats\n  \
     myospring batch pictures --pattern \"*_actinin.tif\" --integrator quasi-static --figures\n  \
     myospring batch --table pictures.csv              each picture with its own settings\n  \
-    myospring batch stacks --stacks --z-step \"0.5 um\" a thick cell of each z-stack\n\n\
+    myospring batch stacks --stacks --z-step \"0.5 um\"   a thick cell of each z-stack\n\n\
     Results: report.html, every cell with its numbers; cells.csv, one row per cell, failed pictures with the \
     reason; cells.parquet, the same; overlays/ of all pictures; with --figures a folder for each cell. Cells cut \
     by the frame, doubtful ones and those outside --min-area to --max-area are left out with the reason.\n\

@@ -217,19 +217,28 @@ impl PictureCells {
         Ok(seen)
     }
 
-    /// Reads a picture in which a cell was found otherwise; a stack in depth is reduced to one plane.
+    /// A picture with a cell whose outline is known, um.
     ///
     /// # Errors
-    /// A picture that cannot be read, or no pixel size.
-    pub fn outlined(
-        bytes: &[u8],
+    /// An outline beside the picture.
+    pub fn with_outline(
+        plane: Plane,
+        pixel_size: PixelSize,
         outline: Outline,
-        options: &PictureOptions,
-    ) -> Result<Self, CellError> {
-        let mut seen = Self::unsegmented(bytes, options)?;
+    ) -> Result<(Self, PictureCell), CellError> {
         let outlines = vec![NamedOutline { name: "1".to_owned(), outline }];
-        seen.cells = Cells::Given(GivenOutlines { outlines, notes: Vec::new() });
-        Ok(seen)
+        let seen = Self {
+            plane,
+            pixel_size,
+            pixel_size_source: "given",
+            notes: Vec::new(),
+            interruption: Interruption::default(),
+            areas_um2: USUAL_AREAS_UM2,
+            marks: None,
+            cells: Cells::Given(GivenOutlines { outlines, notes: Vec::new() }),
+        };
+        let cell = seen.cell(Choice::Largest, true)?;
+        Ok((seen, cell))
     }
 
     /// Reads a picture without segmenting it, so that it can be shown when no cell was found.

@@ -62,8 +62,8 @@ pub use run::{DrivenError, MakeError, MeshedRun, Places, Run};
 pub use sarcomeres::{SARCOMERE_ENDINGS, SarcomereError};
 pub use setting::{CommandOption, Get, Named, Set, Setting, ValueKind};
 pub use shape::{
-    Meshed, OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, Shape, ShapeBytes, ShapeError, Shaped,
-    Source,
+    Meshed, OUTLINE_ENDINGS, PICTURE_ENDINGS, PictureSource, STACK_ENDINGS, Shape, ShapeBytes,
+    ShapeError, Shaped, Source,
 };
 pub use shown::{Shown, StackCell};
 pub use steady::CacheError;

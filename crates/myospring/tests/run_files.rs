@@ -253,6 +253,13 @@ fn options_exclude_each_other_in_any_order_and_only_another_shape_replaces_a_sha
             assert!(error.contains(key) && error.contains("shape.stack"), "{error}");
         }
     }
+    for (key, value) in [("segmentation.z", "mean"), ("segmentation.outline", "cell.roi")] {
+        let both = reader().option(stack.0, stack.1, stack.2).option("", key, value).resolve();
+        assert!(both.err().unwrap().to_string().contains(key));
+    }
+    // Of others the last one counts, as in the form of a page.
+    let modulus = reader().option("", "material.spring_stiffness", "1 N/m");
+    assert!(modulus.option("", "material.young_modulus", "300 kPa").resolve().is_ok());
     let of_file = |text: &str| reader().text("run.toml", text).unwrap();
     let text = "[shape]\nstack = \"cell.tif\"";
     for (option, key, value) in &others[..2] {

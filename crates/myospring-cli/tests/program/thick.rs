@@ -30,7 +30,9 @@ fn a_stack_beats_in_one_command_and_its_results_repeat_it() {
     for row in ["thickening, largest", "volume change, largest", "of the lower face"] {
         assert!(stdout(&beat).contains(row), "{row}: {}", stdout(&beat));
     }
-    assert!(names(&at.join("beat/figures")).contains(&"in_space.svg".to_owned()));
+    for figure in ["in_space.svg", "overlay.svg"] {
+        assert!(names(&at.join("beat/figures")).contains(&figure.to_owned()), "{figure}");
+    }
     let frame = fs::read_to_string(at.join("beat/vtu/cell_0000.vtu")).unwrap();
     assert!(frame.contains("volume_ratio"));
     let again = myospring(at, &["run", "beat/run.toml", "--output", "again", "--outputs", "none"]);
@@ -89,6 +91,14 @@ fn a_batch_beats_the_cell_of_each_stack() {
         rows(&["batch", "stacks", "--table", "table.csv", "--figures", "--output", "table"]),
         [12.0, 12.0]
     );
+    for file in ["overlays/a_tif.png", "thumbnails/a_tif_1.png", "cells/a_tif_1/traces.csv"] {
+        assert!(at.join("table").join(file).is_file(), "{file}");
+    }
+    fs::write(at.join("stacks/notes.png"), "").unwrap();
+    let again = ["batch", "stacks", "--stacks", "--output", "folder"];
+    let again = myospring(at, &[&again[..], &scale[..]].concat());
+    let said = stderr(&again) + &stdout(&again);
+    assert!(again.status.success() && said.contains("not stacks"), "{said}");
     let own = ["run", "table/cells/a_tif_1/run.toml", "--output", "own", "--outputs", "none"];
     let own = myospring(at, &own);
     assert!(own.status.success(), "{}", stderr(&own));

@@ -4,11 +4,14 @@ use super::{Mesh, surface};
 
 /// Lines in each row of the lattice at rest.
 const LINES: f64 = 8.0;
+/// The part of an interval up to which it does not overlap with another but touches it.
+const TOUCHING: f64 = 1e-9;
 
 /// The shadow that a mesh of cubes casts along z.
 ///
-/// Lines across the longer extent, at equal distances over all of it, are cut with the faces that look up. What the cuts of a line cover
-/// together, times the distance of the lines, is the area: at rest without error, as the rows of the lattice begin and end between lines.
+/// It is the sum of the faces that look up, less what lies above others of them: that is found along lines across the longer extent, at equal
+/// distances over all of it, as how much longer their cuts are than what these cover together. Where nothing overlaps, as in a cell that neither
+/// twists nor rolls, it is the sum without error.
 ///
 /// # Example
 /// ```
@@ -54,10 +57,12 @@ impl Shadow {
         }
         let (low, step) = (extents[along][0], extent / lines);
         let mut cuts: Vec<Vec<[f64; 2]>> = vec![Vec::new(); lines as usize];
+        let mut sum = 0.0;
         for triangle in &self.triangles {
             let [a, b, c] = triangle.map(|node| [x[node as usize], y[node as usize]]);
             let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
             if twice > 0.0 {
+                sum += 0.5 * twice;
                 cut(
                     [a, b, c].map(|corner| [corner[along], corner[1 - along]]),
                     (low, step),
@@ -65,7 +70,7 @@ impl Shadow {
                 );
             }
         }
-        step * cuts.iter_mut().map(|cuts| covered(cuts)).sum::<f64>()
+        sum - step * cuts.iter_mut().map(|cuts| doubled(cuts)).sum::<f64>()
     }
 }
 
@@ -92,13 +97,16 @@ fn cut(corners: [[f64; 2]; 3], (low, step): (f64, f64), cuts: &mut [Vec<[f64; 2]
     }
 }
 
-/// The length that intervals cover together.
-fn covered(cuts: &mut [[f64; 2]]) -> f64 {
+/// How much longer intervals are than what they cover together, but for the rounding of ends that touch.
+fn doubled(cuts: &mut [[f64; 2]]) -> f64 {
     cuts.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
     let mut end = f64::NEG_INFINITY;
     let mut length = 0.0;
     for [from, to] in cuts.iter() {
-        length += (to - from.max(end)).max(0.0);
+        let twice = end.min(*to) - from;
+        if twice > TOUCHING * (to - from) {
+            length += twice;
+        }
         end = end.max(*to);
     }
     length

@@ -274,9 +274,9 @@ fn off_thickness(report: &MeshReport, thickness: f64) -> Option<String> {
     (off_pct.abs() > THICKNESS_WARNING_PCT).then(|| {
         let layers = (thickness / report.spacing_um).round().max(ENOUGH_LAYERS as f64);
         format!(
-            "the mesh is {meshed:.2} um thick, {off_pct:+.1} % off the {thickness} um of the cell, as cubes are whole; bending is as the \
-             cube of it; a spacing of {:.4} um has {layers} cubes in {thickness} um",
-            thickness / layers
+            "the mesh is {meshed:.2} um thick, {off_pct:+.1} % off the {thickness} um of the cell, as cubes are whole, and bends as that; a \
+             spacing of {} um has {layers} cubes in {thickness} um",
+            (1e4 * thickness / layers).round() / 1e4
         )
     })
 }

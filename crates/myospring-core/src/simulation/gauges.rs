@@ -27,7 +27,11 @@ impl Gauges {
     fn told(&self) -> impl Iterator<Item = [&'static str; 3]> {
         let end = [END_FORCE, "nN", "force with which the cell draws its ends inward"];
         let gel = [
-            [TRACTION_FORCE, "nN", "sum of the absolute tractions of the cell on the gel"],
+            [
+                TRACTION_FORCE,
+                "nN",
+                "sum of the absolute tractions of the cell on the gel, in its plane",
+            ],
             [
                 AXIAL_FORCE,
                 "nN",
@@ -83,7 +87,7 @@ impl Gauges {
             for (place, node) in places() {
                 let pull = [0, 1].map(|axis: usize| pulls[axis][place]);
                 let rest = rest(place, node);
-                total += pulls.iter().map(|of| of[place]).fold(0.0, f64::hypot);
+                total += pull[0].hypot(pull[1]);
                 // Linear in the tractions, so that noise of measured ones does not raise it.
                 axial -= 0.5 * along(pull) * (along(rest) - middle).signum();
                 moment -= pull[0] * rest[0] + pull[1] * rest[1];

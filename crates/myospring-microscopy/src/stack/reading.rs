@@ -126,6 +126,21 @@ impl Stack {
         Ok(Self { pixel_size: film.pixel_size, film, z_step_um, notes })
     }
 
+    /// The brightest of each place over all slices.
+    ///
+    /// # Errors
+    /// A slice that cannot be read.
+    pub fn brightest(&self) -> Result<Plane, StackError> {
+        let mut brightest = self.slice(0)?;
+        for index in 1..self.slices() {
+            let slice = self.slice(index)?;
+            let both = brightest.values().iter().zip(slice.values());
+            let values = both.map(|(a, b)| a.max(*b)).collect();
+            brightest = Plane::new(slice.width(), slice.height(), values).unwrap_or(slice);
+        }
+        Ok(brightest)
+    }
+
     /// Number of slices.
     pub fn slices(&self) -> usize {
         self.film.len()

@@ -116,7 +116,8 @@ impl Batch {
             return Err(ExperimentError::new(message)
                 .advise("leave it out; give --stacks (stacks = True in Python) if the files are stacks of slices"));
         }
-        let (mut pictures, notes) = self.pictures.find(self.target.as_deref(), files)?;
+        let (mut pictures, notes) =
+            self.pictures.find(self.target.as_deref(), self.stacks, files)?;
         for picture in &mut pictures {
             picture.is_stack |= self.stacks;
         }

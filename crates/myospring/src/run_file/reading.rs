@@ -126,7 +126,7 @@ impl Reader {
     }
 
     /// Sets a key, `table.key`, by an option of the command line, and drops the keys that it
-    /// excludes. Those that other options have set stay, so that they are refused together.
+    /// excludes. Another option that says what shape the cell has stays, so that both are refused together.
     #[must_use]
     pub fn option(self, option: &str, key: &str, value: impl Into<Value>) -> Self {
         self.overriding(Origin::Option(option.to_owned()), key, value)
@@ -140,7 +140,8 @@ impl Reader {
         let how = FromFile { variables: self.variables(), myofilaments: None };
         let model = model.and_then(|name| self.models.model(name, &how).ok());
         for other in rules::put_out_of_force(key, &value, model.as_deref()) {
-            if !self.origin(other).stands_beside(&origin) {
+            let of_shape = [key, other].iter().any(|key| rules::SHAPES.contains(key));
+            if !(of_shape && self.origin(other).stands_beside(&origin)) {
                 self.remove(other);
             }
         }

@@ -370,8 +370,7 @@ fn tissue(file: &RunFile, run: &Run) -> Checked {
         return exclude(key, "stimulus.wave_speed", advice);
     }
     if run.shape.is_thick() {
-        let advice =
-            "a tissue is a flat sheet, whose thickness is that of its material; leave it out";
+        let advice = "a tissue is a flat sheet, whose thickness is that of its material; leave out what makes it thick";
         return exclude(key, thick_by(run), advice);
     }
     if run.numerics.cell.method.chooses_steps() {
@@ -398,12 +397,16 @@ fn shape(file: &RunFile, run: &Run) -> Checked {
                     "pictures are not rotated; the fibres follow the long axis of the cell anyway";
                 return exclude(source, "shape.rotate", advice);
             }
-            if slices && file.has("segmentation.z") {
-                return exclude(
-                    source,
-                    "segmentation.z",
-                    "all slices of a stack are read; leave it out",
-                );
+            let flat = [
+                ("segmentation.z", "all slices of a stack are read; leave it out"),
+                (
+                    "segmentation.outline",
+                    "the form of the cell is found in its slices; leave the outline out, or give a stack that is a mask",
+                ),
+            ];
+            let flat = flat.into_iter().filter(|_| slices);
+            if let Some((second, advice)) = flat.into_iter().find(|(key, _)| file.has(key)) {
+                return exclude(source, second, advice);
             }
             let areas = run.shape.source.picture().map(|picture| picture.options.areas_um2);
             if areas.is_some_and(|[least, most]| least >= most) {

@@ -74,7 +74,7 @@ pub enum Source {
 pub const PICTURE_ENDINGS: &[&str] = &["png", "tif", "tiff"];
 
 /// Endings of stacks in depth, without the dot.
-pub(super) const STACK_ENDINGS: &[&str] = &["tif", "tiff"];
+pub const STACK_ENDINGS: &[&str] = &["tif", "tiff"];
 
 /// Endings of files of outlines, without the dot.
 pub const OUTLINE_ENDINGS: &[&str] = &["geojson", "json", "csv", "roi", "zip", "txt"];
@@ -390,14 +390,15 @@ impl Shape {
         let areas_um2 = if pointed_at { [0.0, f64::INFINITY] } else { picture.options.areas_um2 };
         let length = outline_dimensions(&outline).length_um;
         self.possible(impossible_size(length, outline.area(), areas_um2), || {
-            (format!("Its pixels are {} um wide", found.pixel_um), "the pixel size (--pixel-size)")
+            (
+                format!("Its pixels are {:.4} um wide", found.pixel_um),
+                "the pixel size (--pixel-size)",
+            )
         })?;
-        let seen = PictureCells::outlined(&bytes.shape, outline.clone(), &picture.options);
-        let seen = seen.and_then(|cells| {
-            let cell = cells.cell(Choice::Largest, true)?;
-            Ok((cells, cell))
+        let seen = stack.brightest().ok().zip(PixelSize::new(found.pixel_um).ok());
+        let seen = seen.and_then(|(plane, size)| {
+            PictureCells::with_outline(plane, size, outline.clone()).ok()
         });
-        let seen = seen.ok();
         let stack = Some(Arc::new(StackCell { stack, voxels, options, report: found, seen }));
         Ok(Shaped { mesh, thick: Some(Arc::new(thick)), report, outline, picture: None, stack })
     }

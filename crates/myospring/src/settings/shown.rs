@@ -24,6 +24,6 @@ pub struct StackCell {
     pub options: StackOptions,
     /// What is known of it.
     pub report: StackReport,
-    /// The stack as one picture, the brightest of each place, and the cell in it; `None` if it is not read as a picture.
+    /// The brightest of each place over all slices, and the cell in it; `None` if the outline lies beside them.
     pub seen: Option<(PictureCells, PictureCell)>,
 }

@@ -180,6 +180,9 @@ fn found_and_beaten(
     let bytes = run.shape.bytes(|file| files::read(file.as_ref()))?;
     if run.shape.slices().is_some() {
         let shaped = run.shape.mesh(&bytes)?;
+        if let Some((cells, cell)) = shaped.stack.as_deref().and_then(|stack| stack.seen.as_ref()) {
+            keeper.found(picture, cells, &[cell], &shaped.report.warnings)?;
+        }
         let mut row = CellRow::of_stack(&picture.file, &shaped);
         row.number("segment_s", start.elapsed().as_secs_f64());
         let beaten = beat(picture, run, shaped, &mut row, keeper);

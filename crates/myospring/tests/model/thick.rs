@@ -243,6 +243,18 @@ fn ends_that_are_held_or_loaded_serve_a_thick_cell_of_any_form() {
 }
 
 #[test]
+fn the_area_of_a_cell_that_deforms_evenly_follows_its_length_and_width() {
+    let form = Form { profile: Profile::Round, thickness: 8.0 };
+    let outcome = beaten(&cell(&built_in::adult_ventricular(), form, 3.0));
+    let samples = &outcome.recording.samples;
+    let rest = &samples[0];
+    for sample in samples {
+        let even = sample.length_um * sample.width_um / (rest.length_um * rest.width_um);
+        assert!((sample.area_um2 / rest.area_um2 - even).abs() < 1e-5, "{} ms", sample.t_ms);
+    }
+}
+
+#[test]
 fn a_cell_that_twists_has_the_area_of_its_shadow_and_keeps_its_volume() {
     let mut simulation = block();
     let thick = simulation.thick.clone().unwrap();

@@ -4,7 +4,7 @@ use crate::experiment::input::{self, ChosenSetting};
 use crate::experiment::{ExperimentError, Files};
 use crate::interruption::Interruption;
 use crate::run_file::Origin;
-use crate::settings::{PICTURE_ENDINGS, Run, Value};
+use crate::settings::{PICTURE_ENDINGS, Run, STACK_ENDINGS, Value};
 use crate::study::pictures::{self, ChosenCell, Picture, read_table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -57,10 +57,11 @@ impl Pictures {
     pub(super) fn find(
         &self,
         but: Option<&Path>,
+        stacks: bool,
         files: &Files,
     ) -> Result<(Vec<Picture>, Vec<String>), ExperimentError> {
         match self {
-            Self::Folder { folder, pattern } => of_folder(folder, pattern.as_deref(), but),
+            Self::Folder { folder, pattern } => of_folder(folder, pattern.as_deref(), but, stacks),
             Self::Table { table, folder } => of_table(table, folder.as_deref(), files),
             Self::Files(paths) if paths.is_empty() => {
                 Err(ExperimentError::new("no picture was given"))
@@ -110,7 +111,9 @@ fn of_folder(
     folder: &Path,
     pattern: Option<&str>,
     but: Option<&Path>,
+    stacks: bool,
 ) -> Result<(Vec<Picture>, Vec<String>), ExperimentError> {
+    let endings = if stacks { STACK_ENDINGS } else { PICTURE_ENDINGS };
     let wanted = pattern
         .map(|text| {
             glob::Pattern::new(text).map_err(|error| {
@@ -125,16 +128,21 @@ fn of_folder(
         wanted.as_ref().is_none_or(|wanted| wanted.matches(&name))
     };
     let (wanted, others): (Vec<_>, Vec<_>) =
-        files.into_iter().partition(|path| is_picture(path) && matches(path));
+        files.into_iter().partition(|path| has_ending(path, endings) && matches(path));
     let unread = unread(&others);
     if wanted.is_empty() {
-        let kinds = pattern.unwrap_or("*.png, *.tif, *.tiff");
+        let usual = if stacks { "*.tif, *.tiff" } else { "*.png, *.tif, *.tiff" };
+        let kinds = pattern.unwrap_or(usual);
         let message = format!("`{}` holds no file like {kinds}", folder.display());
         let advice = unread.unwrap_or("give another folder or --pattern".to_owned());
         return Err(ExperimentError::new(message).advise(advice));
     }
     let named = |path: PathBuf| Picture::new(name(folder, &path), path);
-    Ok((wanted.into_iter().map(named).collect(), unread.into_iter().collect()))
+    let others = others.iter().filter(|path| stacks && is_picture(path) && matches(path)).count();
+    let passed_over = (others > 0).then(|| {
+        format!("{others} pictures in `{}` are not stacks and were not read", folder.display())
+    });
+    Ok((wanted.into_iter().map(named).collect(), unread.into_iter().chain(passed_over).collect()))
 }
 
 /// Whether a folder is one that a command of this program has written.
@@ -189,7 +197,11 @@ fn within(folder: &Path, but: Option<&Path>) -> Result<Vec<PathBuf>, ExperimentE
 }
 
 fn is_picture(path: &Path) -> bool {
-    PICTURE_ENDINGS.contains(&input::ending(path).as_str())
+    has_ending(path, PICTURE_ENDINGS)
+}
+
+fn has_ending(path: &Path, endings: &[&str]) -> bool {
+    endings.contains(&input::ending(path).as_str())
 }
 
 /// A picture's name within the folder, with `/` on every system.
