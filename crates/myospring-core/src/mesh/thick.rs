@@ -233,6 +233,14 @@ fn default_spacing(volume: f64, thickness: f64) -> f64 {
     lattice::two_digits(spacing, |digits| (digits + 1e-9).floor())
 }
 
+/// The spacing near this one of which whole cubes make up the thickness, um.
+fn dividing(thickness: f64, spacing: f64) -> f64 {
+    let layers = (thickness / spacing).round().max(ENOUGH_LAYERS as f64);
+    // Rounded up, so that no further layer begins.
+    let digits = 1e4 * thickness / layers;
+    (digits - 1e-6).ceil() / 1e4
+}
+
 fn fill(
     source: &impl Source,
     form: Form,
@@ -246,7 +254,7 @@ fn fill(
     // An elliptic section has pi/4 of its box.
     let part = if profile == Profile::Slab { 1.0 } else { std::f64::consts::FRAC_PI_4 };
     let volume = part * shape.area * thickness;
-    let default = default_spacing(volume, thickness);
+    let default = dividing(thickness, default_spacing(volume, thickness));
     let spacing = check_spacing(&shape, thickness, volume, spacing, default)?;
     let flat = lattice::cover(&shape, spacing);
     let layers = (thickness / spacing - 1e-6).ceil().max(1.0);
@@ -272,11 +280,10 @@ fn off_thickness(report: &MeshReport, thickness: f64) -> Option<String> {
     let meshed = report.thick.as_ref()?.thickness_um;
     let off_pct = 100.0 * (meshed / thickness - 1.0);
     (off_pct.abs() > THICKNESS_WARNING_PCT).then(|| {
-        let layers = (thickness / report.spacing_um).round().max(ENOUGH_LAYERS as f64);
+        let spacing = dividing(thickness, report.spacing_um);
         format!(
             "the mesh is {meshed:.2} um thick, {off_pct:+.1} % off the {thickness} um of the cell, as cubes are whole, and bends as that; a \
-             spacing of {} um has {layers} cubes in {thickness} um",
-            (1e4 * thickness / layers).round() / 1e4
+             spacing of {spacing} um has whole cubes in {thickness} um"
         )
     })
 }

@@ -122,6 +122,7 @@ where
             PathError::Interrupted => StopReason::Interrupted { time: 0.0 },
             error => StopReason::BrokenOff { time: 0.0, cause: error.to_string() },
         };
+        let tolerance = setup.simulation.accepting(tolerance);
         let equilibrium =
             Equilibrium::new_interruptible(system, body, tolerance, &setup.simulation.interruption);
         let equilibrium = equilibrium.map_err(broken_off)?;

@@ -334,7 +334,7 @@ impl Simulation {
                 add_scaled(&mut body.positions, 1.0, &drawn);
                 add_scaled(&mut body.positions, -1.0, &before);
             }
-            let tolerance = self.accepting(Tolerance::default());
+            let tolerance = Tolerance { longest_delay: f64::INFINITY, ..Tolerance::default() };
             let path = Path::start(&unstretched.system, &body, tolerance, &self.interruption)?;
             if let Some(rest) = path.positions(0.0) {
                 body.positions = rest;

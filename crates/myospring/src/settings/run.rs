@@ -122,6 +122,8 @@ pub struct MeshedRun {
     pub fibres: Fibres,
     /// The picture with its cells, and the chosen one.
     pub picture: Option<(PictureCells, PictureCell)>,
+    /// Of a stack of slices, the brightest of each place, and the cell in it.
+    pub above: Option<(PictureCells, PictureCell)>,
 }
 
 impl MeshedRun {
@@ -367,8 +369,8 @@ impl Run {
         });
         let smooth = of_mask.and_then(|(_, cell)| trace_mask(&cell.mask, Edge::Smooth).ok());
         let outline = smooth.unwrap_or(outline);
-        let picture = picture.or_else(|| stack?.seen.clone());
-        Ok(MeshedRun { simulation, report, outline, fibres, picture })
+        let above = stack.and_then(|stack| stack.seen.clone());
+        Ok(MeshedRun { simulation, report, outline, fibres, picture, above })
     }
 
     /// Whether the settings say how far the fibres turn through the thickness; otherwise the slices of a stack show it.

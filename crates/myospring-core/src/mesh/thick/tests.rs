@@ -79,7 +79,17 @@ fn few_cubes_across_the_thickness_are_warned_of_and_impossible_ones_refused() {
         let error = from_outline(&outline, form(thickness), spacing).unwrap_err().to_string();
         assert!(error.contains(says), "{error}");
     }
-    let (.., report) = from_outline(&outline, form(10.0), None).unwrap();
-    assert!((3_000..6_500).contains(&report.masses), "{}", report.masses);
-    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+    for (profile, thickness) in
+        [(Profile::Slab, 10.0), (Profile::Dome, 8.0), (Profile::Round, 12.0), (Profile::Round, 5.0)]
+    {
+        let (.., report) = from_outline(&outline, Form { profile, thickness }, None).unwrap();
+        assert!((3_000..6_500).contains(&report.masses), "{}", report.masses);
+        assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+        let meshed = report.thick.unwrap().thickness_um;
+        assert!((meshed / thickness - 1.0).abs() < 1e-3, "{profile:?}: {meshed}");
+    }
+    let (.., report) = from_outline(&outline, form(10.0), Some(1.8)).unwrap();
+    assert!(report.warnings[0].contains("1.6667 um"), "{:?}", report.warnings);
+    let (.., report) = from_outline(&outline, form(200.0), Some(4.0)).unwrap();
+    assert!(report.warnings.iter().any(|text| text.contains("unit")), "{:?}", report.warnings);
 }

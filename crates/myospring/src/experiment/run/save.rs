@@ -165,7 +165,7 @@ impl FinishedRun {
             simulation: &made.simulation,
             outline: &made.outline,
             fibres: &made.fibres,
-            picture: made.picture.as_ref(),
+            picture: made.picture.as_ref().or(made.above.as_ref()),
             outcome,
             numbers,
             stimuli,
