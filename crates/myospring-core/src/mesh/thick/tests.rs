@@ -83,7 +83,8 @@ fn few_cubes_across_the_thickness_are_warned_of_and_impossible_ones_refused() {
         [(Profile::Slab, 10.0), (Profile::Dome, 8.0), (Profile::Round, 12.0), (Profile::Round, 5.0)]
     {
         let (.., report) = from_outline(&outline, Form { profile, thickness }, None).unwrap();
-        assert!((3_000..6_500).contains(&report.masses), "{}", report.masses);
+        // A thin cell takes more, as it needs four cubes.
+        assert!((3_000..8_000).contains(&report.masses), "{profile:?}: {}", report.masses);
         assert!(report.warnings.is_empty(), "{:?}", report.warnings);
         let meshed = report.thick.unwrap().thickness_um;
         assert!((meshed / thickness - 1.0).abs() < 1e-3, "{profile:?}: {meshed}");
