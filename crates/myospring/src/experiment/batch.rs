@@ -114,7 +114,7 @@ impl Batch {
             let message =
                 format!("{option} names one cell, and a batch takes its cells from its files");
             return Err(ExperimentError::new(message)
-                .advise("leave it out; give --stacks (stacks = True in Python) if the files are stacks of slices"));
+                .advise("leave it out; if the files are stacks of slices, give `myospring batch FOLDER --stacks`, or stacks=True in Python"));
         }
         let (mut pictures, notes) =
             self.pictures.find(self.target.as_deref(), self.stacks, files)?;
