@@ -105,7 +105,7 @@ struct Campaign<'a> {
 }
 
 impl Campaign<'_> {
-    /// Reads so many inputs, or as many as there is time for.
+    /// Reads inputs until it has read this number or the time is over.
     fn run(&mut self, inputs: u64, time: Duration) {
         let start = Instant::now();
         let marker = self.folder.join(format!("{}.number", self.reader.name));

@@ -49,7 +49,7 @@ struct Strength {
     relative: f64,
 }
 
-/// Solves for a shape before the cell pulls in so many steps from what is known: in one, or in more if that is too far.
+/// The shape before the cell pulls. `solve` finds it in a number of steps: first in one, then in 4 and in 16 if that fails.
 pub(super) fn in_steps<T>(solve: impl Fn(u32) -> Result<T, SetupError>) -> Result<T, SetupError> {
     let mut found = solve(1);
     for steps in [4, 16] {

@@ -44,7 +44,7 @@ pub(in crate::experiment) fn write(
         let lattice = Some(Lattice { mesh, fibres });
         let middle = fibres.slices.as_ref().and_then(StackFibres::middle);
         let of_slice = middle.map(|(height, _)| {
-            format!("the picture is the brightest of each place; the fibres are those of the slice at {height:.1} um")
+            format!("the picture shows the brightest value of all slices at each place; the fibres are those of the slice at {height:.1} um")
         });
         let notes: Vec<String> =
             of_slice.into_iter().chain(numbers.summary.warnings.iter().cloned()).collect();
