@@ -140,7 +140,7 @@ fn of_folder(
     let named = |path: PathBuf| Picture::new(name(folder, &path), path);
     let others = others.iter().filter(|path| stacks && is_picture(path) && matches(path)).count();
     let passed_over = (others > 0).then(|| {
-        format!("{others} pictures in `{}` are not stacks and were not read", folder.display())
+        format!("pictures in `{}` that are not stacks were not read: {others}", folder.display())
     });
     Ok((wanted.into_iter().map(named).collect(), unread.into_iter().chain(passed_over).collect()))
 }
