@@ -106,10 +106,39 @@ pub const CALCIUM: &str = "Ca_i";
 /// model's own rates at every step, without the stimulus current.
 pub const STEEPEST_RISE: &str = "steepest_rise";
 
+/// What the signals of the mechanics are called in figures, and their units.
+const TITLES: [(&str, &str, &str); 9] = [
+    (END_FORCE, "Force at the ends", "nN"),
+    (TRACTION_FORCE, "Force on the gel", "nN"),
+    (AXIAL_FORCE, "Force on the gel along the cell", "nN"),
+    (CONTRACTILE_MOMENT, "Contractile moment", "fJ"),
+    (GEL_ENERGY, "Energy of the gel", "fJ"),
+    (THICKNESS, "Mean thickness", "um"),
+    (VOLUME, "Volume", "um^3"),
+    (LENGTH_TOP, "Length of the upper face", "um"),
+    (LENGTH_BOTTOM, "Length of the lower face", "um"),
+];
+
 impl Signal {
     /// Whether it is the signal of that name; one that was read from a table has its unit in its name.
     pub fn is(&self, name: &str) -> bool {
         self.name.strip_prefix(name).is_some_and(|unit| unit.is_empty() || unit.starts_with('_'))
+    }
+
+    /// What it is called in figures, and its unit: `Force on the gel` in nN. One of the cell model has its own name.
+    ///
+    /// ```
+    /// use myospring_core::recording::{Signal, TRACTION_FORCE};
+    ///
+    /// let signal = |name: &str, unit: &str| Signal { name: name.into(), unit: unit.into(), values: vec![] };
+    /// assert_eq!(signal(TRACTION_FORCE, "nN").title(), ("Force on the gel", "nN"));
+    /// // As a table has it.
+    /// assert_eq!(signal("traction_force_nN", "").title(), ("Force on the gel", "nN"));
+    /// assert_eq!(signal("I_Na", "A/F").title(), ("I_Na", "A/F"));
+    /// ```
+    pub fn title(&self) -> (&str, &str) {
+        let known = TITLES.iter().find(|(name, ..)| self.is(name));
+        known.map_or((&self.name, &self.unit), |&(_, title, unit)| (title, unit))
     }
 }
 

@@ -75,6 +75,16 @@ impl Field {
         }
     }
 
+    /// What a thick cell is coloured by in space where a flat one is coloured by this; the default if it has nothing like it.
+    #[must_use]
+    pub fn in_space(self) -> Self {
+        match self {
+            Self::AreaRatio => Self::VolumeRatio,
+            known if Self::THICK.contains(&known) => known,
+            _ => Self::default(),
+        }
+    }
+
     /// Its name in options and files.
     pub const fn word(self) -> &'static str {
         match self {

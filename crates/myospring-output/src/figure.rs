@@ -91,6 +91,7 @@ pub use overview::overview;
 pub use ranking::{Bar, Ranking, rankings};
 pub use shapes::cell_shapes;
 pub use sheet::Figure;
+pub(crate) use slices::{Between, cut_surface};
 pub use theme::Theme;
 pub use thick::{DrawnThickCell, thick_cell};
 pub(crate) use thumbnail::thumbnail;

@@ -16,6 +16,8 @@
 //! | `tension_by_triangle_kPa` | frames, triangles | only if the tension is not uniform |
 //! | `positions_in_space_um`, `rest_in_space_um` | frames, points, 3; points, 3 | of a thick cell: all its points |
 //! | `cubes` | cubes, 8 | of a thick cell: corners of each cube, by x, then y, then z |
+//! | `fibre_in_space` | cubes, 3 | of a thick cell: unit vector along the fibre at rest |
+//! | `force_on_gel_in_space_nN` | frames, points, 3 | of a thick cell on a gel: z upward |
 //! | `outline_um` | points, 2 | the outline that was meshed, at rest |
 //! | `outline_ring` | points | ring to which each point belongs: 0 the cell's rim, others its holes |
 
@@ -26,19 +28,20 @@ use myospring_core::mesh::{Lattice, Mesh, Simplex};
 use myospring_core::recording::{Frame, Recording};
 
 /// The frames of a recording as the bytes of `frames.npz`; `fibres` has a unit vector for each
-/// triangle, `content` its content of myofibrils, if that is not uniform, and `thick` the cubes of a thick cell.
+/// triangle, `content` its content of myofibrils, if that is not uniform, and `thick` the cubes of a thick cell with a unit vector for each
+/// tetrahedron.
 ///
 /// # Errors
 /// More than an archive can hold.
 pub fn to_npz(
     mesh: &Mesh,
-    thick: Option<&Mesh<3, 4>>,
+    thick: Option<(&Mesh<3, 4>, &[[f64; 3]])>,
     recording: &Recording,
     fibres: &[[f64; 2]],
     content: Option<&[f64]>,
     outline: &Outline,
 ) -> Result<Vec<u8>, NpzError> {
-    let more = thick.map_or_else(Vec::new, |thick| in_space(thick, recording));
+    let more = thick.map_or_else(Vec::new, |(mesh, fibres)| in_space(mesh, fibres, recording));
     to_npz_with(mesh, &recording.frames, fibres, content, outline, more)
 }
 
@@ -120,17 +123,28 @@ pub fn to_npz_with(
 }
 
 /// The arrays of a thick cell.
-fn in_space(mesh: &Mesh<3, 4>, recording: &Recording) -> Vec<(&'static str, Array)> {
+fn in_space(
+    mesh: &Mesh<3, 4>,
+    fibres: &[[f64; 3]],
+    recording: &Recording,
+) -> Vec<(&'static str, Array)> {
     let points = mesh.len();
-    let triples = |positions: &[Vec<f64>; 3]| -> Vec<f64> {
-        (0..points).flat_map(|at| positions.each_ref().map(|axis| axis[at])).collect()
+    let triples = |axes: &[Vec<f64>; 3]| -> Vec<f64> {
+        (0..points).flat_map(|at| axes.each_ref().map(|axis| axis[at])).collect()
     };
     let frames = &recording.in_space;
     let moved = frames.iter().flat_map(|frame| triples(&frame.positions));
     let corners: Vec<[u32; 8]> = cubes::corners(mesh).collect();
-    vec![
+    let of_cube = |directions: &[[f64; 3]]| -> [f64; 3] {
+        let sum = [0, 1, 2].map(|axis: usize| directions.iter().map(|d| d[axis]).sum::<f64>());
+        let length = sum.into_iter().fold(0.0, f64::hypot);
+        sum.map(|part| part / length)
+    };
+    let directions = fibres.chunks(cubes::TETRAHEDRA_OF_A_CUBE).flat_map(of_cube);
+    let mut arrays = vec![
         ("positions_in_space_um", Array::floats([frames.len(), points, 3], moved)),
         ("rest_in_space_um", Array::floats([points, 3], triples(&mesh.points))),
+        ("fibre_in_space", Array::floats([corners.len(), 3], directions)),
         (
             "cubes",
             Array::whole(
@@ -138,7 +152,14 @@ fn in_space(mesh: &Mesh<3, 4>, recording: &Recording) -> Vec<(&'static str, Arra
                 corners.into_iter().flat_map(|cube| cube.map(u32::cast_signed)),
             ),
         ),
-    ]
+    ];
+    let on_gel: Option<Vec<&[Vec<f64>; 3]>> =
+        frames.iter().map(|frame| frame.on_gel_nn.as_ref()).collect();
+    if let Some(forces) = on_gel.filter(|forces| !forces.is_empty()) {
+        let array = Array::floats([frames.len(), points, 3], forces.into_iter().flat_map(triples));
+        arrays.push(("force_on_gel_in_space_nN", array));
+    }
+    arrays
 }
 
 /// Content of `frames.npz`: a mesh without springs, enough to draw it, and its frames.
@@ -266,6 +287,34 @@ mod tests {
         let Mesh { points, areas, simplices, lattice, .. } = kept.mesh;
         assert_eq!((points, areas, simplices), (mesh.points, mesh.areas, mesh.simplices));
         assert_eq!(lattice, mesh.lattice);
+    }
+
+    #[test]
+    fn of_a_thick_cell_there_are_fibres_and_forces_on_the_gel_in_space() {
+        let outline = built_in::adult_ventricular();
+        let (mesh, cubes) =
+            (lattice::rectangle(6, 3, 2.0).unwrap(), cubes::block([6, 3, 2], 2.0).unwrap());
+        let shape = Frame {
+            on_gel_nn: Some([0.0, 1.0, 2.0].map(|axis| vec![axis; cubes.len()])),
+            ..Frame::new(0.0, 0.0, cubes.points.clone())
+        };
+        let frames = vec![Frame::new(0.0, 0.0, mesh.points.clone())];
+        let recording = Recording { frames, in_space: vec![shape], ..Recording::default() };
+        let (flat, turned) =
+            (vec![[1.0, 0.0]; mesh.simplices.len()], vec![[0.6, 0.8, 0.0]; cubes.simplices.len()]);
+        let thick = Some((&cubes, &turned[..]));
+        let bytes = to_npz(&mesh, thick, &recording, &flat, None, &outline).unwrap();
+        let arrays = npz::read(&bytes).unwrap();
+        let fibres = arrays["fibre_in_space"].as_floats().unwrap();
+        assert_eq!(fibres.len(), 3 * 36);
+        assert!(
+            fibres.as_chunks::<3>().0.iter().all(|[x, y, z]| {
+                (x - 0.6).abs() < 1e-12 && (y - 0.8).abs() < 1e-12 && *z == 0.0
+            })
+        );
+        let forces = arrays["force_on_gel_in_space_nN"].as_floats().unwrap();
+        assert_eq!(forces.len(), 3 * cubes.len());
+        assert!(forces.as_chunks::<3>().0.iter().all(|force| *force == [0.0, 1.0, 2.0]));
     }
 
     #[test]

@@ -29,6 +29,7 @@ mod payload;
 mod photograph;
 mod run;
 mod runs;
+mod section;
 mod table;
 mod template;
 mod thick;

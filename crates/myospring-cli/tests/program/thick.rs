@@ -91,6 +91,8 @@ fn a_batch_beats_the_cell_of_each_stack() {
         rows(&["batch", "stacks", "--table", "table.csv", "--figures", "--output", "table"]),
         [12.0, 12.0]
     );
+    let slices = fs::read_to_string(at.join("table/cells.csv")).unwrap();
+    assert!(slices.lines().next().unwrap().contains("slices_in_cell"), "{slices}");
     for file in ["overlays/a_tif.png", "thumbnails/a_tif_1.png", "cells/a_tif_1/traces.csv"] {
         assert!(at.join("table").join(file).is_file(), "{file}");
     }

@@ -4,6 +4,7 @@ use super::error::StackError;
 use super::options::{FirstSlice, StackOptions};
 use super::reading::{Scale, Stack};
 use crate::fibres::{FibreField, FibreSettings, fibres_interruptible};
+use myospring_core::analysis::order::median;
 use myospring_core::mesh::voxels::Voxels;
 use serde::Serialize;
 
@@ -66,6 +67,16 @@ pub struct StackFibres {
 }
 
 impl StackFibres {
+    /// Median length of the sarcomeres over the slices that show some, um.
+    pub fn sarcomere_um(&self) -> Option<f64> {
+        median(self.slices.iter().filter_map(|slice| slice.sarcomere_um))
+    }
+
+    /// Number of slices that show a direction.
+    pub fn shown(&self) -> usize {
+        self.slices.iter().filter(|slice| slice.angle_deg.is_some()).count()
+    }
+
     /// Whether any slice shows a direction.
     pub fn is_shown(&self) -> bool {
         !self.fields.is_empty()

@@ -2,7 +2,7 @@
 
 use super::options::{FirstSlice, StackOptions, Stain};
 use super::reading::Scale;
-use crate::segment::{Confidence, Modality};
+use crate::segment::{Choice, Confidence, Modality};
 use myospring_core::mesh::voxels::{DroppedParts, Touched, Voxels};
 use serde::Serialize;
 
@@ -137,6 +137,12 @@ impl StackReport {
                  give --first-slice top"
                     .to_owned(),
             );
+        }
+        if self.cells > 1 && options.choice == Choice::Largest {
+            self.warnings.push(format!(
+                "{} cells were found, and the largest is taken; state which one you mean if it is another",
+                self.cells
+            ));
         }
         self.judge();
         self.warn();

@@ -234,11 +234,12 @@ export function showBeat(beat, lists, motion) {
       fitToWindow();
     });
     find("reset-view", HTMLButtonElement).addEventListener("click", () => {
-      seen.value = "space";
-      camera.stand("space");
+      // A cell that is cut stays so.
+      if (camera.section === null) seen.value = "space";
+      camera.stand(seen.value);
     });
     const turned = () => {
-      if (inSpace() && !camera.standsAt(seen.value)) seen.value = "space";
+      if (inSpace() && camera.section === null && !camera.standsAt(seen.value)) seen.value = "space";
       drawCells();
       if (!player.playing) describeCells();
     };

@@ -5,7 +5,12 @@ export const VIEWPOINTS = {
   space: [-0.4, 0.55],
   side: [0, 0],
   end: [Math.PI / 2, 0],
+  along: [0, 0],
+  across: [Math.PI / 2, 0],
 };
+
+/** The viewpoints for which the half of the cell that is nearer is taken away, and by which section. @type {Record<string, number>} */
+export const SECTIONS = { along: 0, across: 1 };
 
 /** Turn of an arrow key, and of a px of dragging, radians. */
 const KEY = Math.PI / 18;
@@ -17,6 +22,8 @@ const ZOOM = { least: 0.5, most: 8 };
 
 /** Fires `turn` when it has moved. */
 export class Camera extends EventTarget {
+  /** Which section cuts the cell, if one does. @type {number | null} */
+  section = null;
   turned = 0;
   tilted = 0;
   zoom = 1;
@@ -31,6 +38,7 @@ export class Camera extends EventTarget {
   stand(viewpoint) {
     [this.turned, this.tilted] = VIEWPOINTS[viewpoint];
     this.zoom = 1;
+    this.section = SECTIONS[viewpoint] ?? null;
     this.dispatchEvent(new Event("turn"));
   }
 

@@ -1,6 +1,6 @@
 // From the text in the page to numbers.
 
-/** @import { Cell, FieldKey, Packed, Payload, Thick } from "./payload.js" */
+/** @import { Cell, FieldKey, Packed, Payload, SectionPart, Thick } from "./payload.js" */
 
 /**
  * The data that stand in a page.
@@ -156,21 +156,88 @@ export function recordedShapes(cell) {
  * @property {number} longAxis Seen from above, radians counter-clockwise from x.
  * @property {number[]} middle Of the cell at rest, um, x, y and z.
  * @property {number} spacing Side of a patch, um.
+ * @property {[Section, Section]} sections Along its long axis and across it.
  * @property {(time: number, key: FieldKey, shape: SolidShape) => void} at Fills in the shape at a time, ms.
+ */
+
+/**
+ * A cut through a thick cell: the half on the one side of an upright plane is left.
+ *
+ * @typedef {object} Section
+ * @property {Float32Array} depth How far each point of the surface lies behind the plane at rest, um; those before it are taken away.
+ * @property {Uint32Array} corners Four of each patch of the face that shows, by numbers that follow those of the surface's points.
+ * @property {{ first: number, layers: number, ends: Uint32Array, weights: Float32Array }[]} parts
  */
 
 /**
  * A thick cell at one time.
  *
  * @typedef {object} SolidShape
- * @property {Float32Array} points Positions, um, x, y and z in turn.
+ * @property {Float32Array} points Positions, um, x, y and z in turn: those of the surface, then those of its sections.
  * @property {Float32Array} values Of a field at each point.
  * @property {number[]} size Length, width and thickness, um.
  */
 
 /** A shape to be filled in. @param {Solid} solid @returns {SolidShape} */
-export function blankSolid({ rest }) {
-  return { points: new Float32Array(rest.length), values: new Float32Array(rest.length / 3), size: [0, 0, 0] };
+export function blankSolid({ rest, sections }) {
+  const parts = sections.flatMap((section) => section.parts);
+  const points = parts.reduce((end, { first, layers, ends }) => Math.max(end, first + (layers * ends.length) / 8), rest.length / 3);
+  return { points: new Float32Array(3 * points), values: new Float32Array(points), size: [0, 0, 0] };
+}
+
+/** Fills in the points of sections from those of the surface. @param {Solid} solid @param {Float32Array} points */
+export function fillSections({ sections }, points) {
+  for (const { first, layers, ends, weights } of sections.flatMap(({ parts }) => parts)) {
+    /** @type {(end: number, axis: number) => number} */
+    const place = (end, axis) => {
+      let sum = 0;
+      for (let at = 4 * end; at < 4 * end + 4; at++) sum += weights[at] * points[3 * ends[at] + axis];
+      return sum;
+    };
+    for (let station = 0; 8 * station < ends.length; station++) {
+      for (let axis = 0; axis < 3; axis++) {
+        const [low, high] = [place(2 * station, axis), place(2 * station + 1, axis)];
+        for (let layer = 0; layer < layers; layer++) {
+          points[3 * (first + station * layers + layer) + axis] = low + (layer / (layers - 1)) * (high - low);
+        }
+      }
+    }
+  }
+}
+
+/**
+ * The two cuts of a thick cell.
+ *
+ * @param {Thick} thick
+ * @param {Float32Array} rest
+ * @param {number[]} middle
+ * @returns {[Section, Section]}
+ */
+function cutsOf({ sections, long_axis: longAxis }, rest, middle) {
+  let next = rest.length / 3;
+  const [cos, sin] = [Math.cos(longAxis), Math.sin(longAxis)];
+  const of = (/** @type {SectionPart[]} */ grids, /** @type {number[]} */ normal) => {
+    /** @type {number[]} */
+    const corners = [];
+    const parts = grids.map(({ layers, ends, weights }) => {
+      const part = { first: next, layers, ends: new Uint32Array(bytes(ends)), weights: new Float32Array(bytes(weights)) };
+      const stations = part.ends.length / 8;
+      for (let station = 0; station + 1 < stations; station++) {
+        for (let layer = 0; layer + 1 < layers; layer++) {
+          const at = next + station * layers + layer;
+          corners.push(at, at + layers, at + layers + 1, at + 1);
+        }
+      }
+      next += stations * layers;
+      return part;
+    });
+    const depth = new Float32Array(rest.length / 3);
+    depth.forEach((_, point) => {
+      depth[point] = normal[0] * (rest[3 * point] - middle[0]) + normal[1] * (rest[3 * point + 1] - middle[1]);
+    });
+    return { depth, corners: new Uint32Array(corners), parts };
+  };
+  return [of(sections[0], [-sin, cos]), of(sections[1], [cos, sin])];
 }
 
 /**
@@ -188,12 +255,14 @@ export function recordedSolid(thick) {
     const along = rest.filter((_, index) => index % 3 === axis);
     return [along.reduce((a, b) => Math.min(a, b), Infinity), along.reduce((a, b) => Math.max(a, b), -Infinity)];
   });
+  const middle = ends.map(([low, high]) => (low + high) / 2);
   return {
     rest,
     corners: new Uint32Array(bytes(thick.corners)),
     longAxis: thick.long_axis,
-    middle: ends.map(([low, high]) => (low + high) / 2),
+    middle,
     spacing: thick.spacing_um,
+    sections: cutsOf(thick, rest, middle),
     at(time, key, shape) {
       const { last, next, part } = around(times, time);
       /** @type {(values: ArrayLike<number>, count: number, index: number) => number} */
@@ -202,6 +271,7 @@ export function recordedSolid(thick) {
         return from + part * (values[next * count + index] - from);
       };
       rest.forEach((at, index) => (shape.points[index] = at + step * between(moved, rest.length, index)));
+      fillSections(this, shape.points);
       shape.size = sizes[last].map((from, axis) => from + part * (sizes[next][axis] - from));
       const field = fields.get(key);
       if (field === undefined) return;

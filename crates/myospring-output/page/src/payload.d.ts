@@ -212,12 +212,24 @@ export interface Thick {
   corners: Packed;
   /** Direction of the long axis seen from above, radians counter-clockwise from x. */
   long_axis: number;
+  /** Upright sections through the middle, along the long axis and across it: grids that fit into the surface. */
+  sections: [SectionPart[], SectionPart[]];
   frames: ThickFrames;
   /** Side of a patch, um. */
   spacing_um: number;
   /** By how much a point drawn may be off, um. */
   accuracy_um: number;
   fields: ThickField[];
+}
+
+/** A grid of a section: stations, each with points that lie evenly from the lower to the upper side. */
+export interface SectionPart {
+  /** Points of each station. */
+  layers: number;
+  /** Points of the surface whose weighted sum is the lower and the upper end of each station in turn, four of each. u32. */
+  ends: Packed;
+  /** Their weights. f32. */
+  weights: Packed;
 }
 
 export interface ThickFrames {
@@ -231,7 +243,7 @@ export interface ThickFrames {
 
 /** What a thick cell can be coloured by. */
 export interface ThickField extends Field {
-  /** The value of each point in each frame, in 255 steps from `low` to `high`. u8. */
+  /** The value of each point of the surface, then of the sections station by station, in each frame, in 255 steps from `low` to `high`. u8. */
   values: Packed;
 }
 

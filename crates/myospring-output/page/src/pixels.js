@@ -4,6 +4,8 @@ import { STEPS } from "./colours.js";
 
 /** Steps from dark to light. */
 const LIGHTS = 32;
+/** Numbers of a point. */
+export const SIZE = 6;
 /** Width of lines, px. */
 const LINE = 2;
 /** By how much a pixel between two triangles may seem to lie outside of both. */
@@ -50,24 +52,26 @@ export class Pixels {
   }
 
   /**
-   * Draws patches, but for those that show their backs.
+   * Draws patches; those that show their backs only of a surface that is cut open, and fully lit.
    *
-   * @param {Float32Array} points Of each in turn: x, y in px, how near, part of the scale 0 to 1, light 0 to 1.
+   * @param {Float32Array} points Of each in turn: x, y in px, how near, part of the scale 0 to 1, light 0 to 1, depth: what is below 0
+   *   is not drawn.
    * @param {Uint32Array} corners Four of each patch, counter-clockwise as seen from outside.
+   * @param {boolean} isOpen
    */
-  patches(points, corners) {
+  patches(points, corners, isOpen) {
     for (let first = 0; first < corners.length; first += 4) {
-      this.#triangle(points, 5 * corners[first], 5 * corners[first + 1], 5 * corners[first + 2]);
-      this.#triangle(points, 5 * corners[first], 5 * corners[first + 2], 5 * corners[first + 3]);
+      this.#triangle(points, SIZE * corners[first], SIZE * corners[first + 1], SIZE * corners[first + 2], isOpen);
+      this.#triangle(points, SIZE * corners[first], SIZE * corners[first + 2], SIZE * corners[first + 3], isOpen);
     }
   }
 
-  /** @param {Float32Array} p @param {number} a @param {number} b @param {number} c */
-  #triangle(p, a, b, c) {
+  /** @param {Float32Array} p @param {number} a @param {number} b @param {number} c @param {boolean} isOpen */
+  #triangle(p, a, b, c, isOpen) {
     const [ax, ay, bx, by, cx, cy] = [p[a], p[a + 1], p[b], p[b + 1], p[c], p[c + 1]];
     const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
     // y runs downward.
-    if (!(area < 0)) return;
+    if (!(area < 0 || (isOpen && area > 0)) || Math.max(p[a + 5], p[b + 5], p[c + 5]) < 0) return;
     const [left, top] = [Math.max(Math.ceil(Math.min(ax, bx, cx)), 0), Math.max(Math.ceil(Math.min(ay, by, cy)), 0)];
     const right = Math.min(Math.floor(Math.max(ax, bx, cx)), this.#width - 1);
     const bottom = Math.min(Math.floor(Math.max(ay, by, cy)), this.#height - 1);
@@ -77,7 +81,9 @@ export class Pixels {
     const [perB, perC] = [(cy - ay) / area, (ay - by) / area];
     const [near, nearB, nearC] = [p[a + 2], p[b + 2] - p[a + 2], p[c + 2] - p[a + 2]];
     const [part, partB, partC] = [p[a + 3], p[b + 3] - p[a + 3], p[c + 3] - p[a + 3]].map((each) => each * STEPS);
-    const [light, lightB, lightC] = [p[a + 4], p[b + 4] - p[a + 4], p[c + 4] - p[a + 4]].map((each) => each * (LIGHTS - 1));
+    const lights = area < 0 ? [p[a + 4], p[b + 4] - p[a + 4], p[c + 4] - p[a + 4]] : [1, 0, 0];
+    const [light, lightB, lightC] = lights.map((each) => each * (LIGHTS - 1));
+    const [depth, depthB, depthC] = [p[a + 5], p[b + 5] - p[a + 5], p[c + 5] - p[a + 5]];
     const [width, nearness, colours, table] = [this.#width, this.#nearness, this.#colours, this.#table];
     for (let y = top; y <= bottom; y++) {
       let b = (left - ax) * perB - ((y - ay) * (cx - ax)) / area;
@@ -85,7 +91,7 @@ export class Pixels {
       for (let at = y * width + left; at <= y * width + right; at++, b += perB, c += perC) {
         if (b < -ROUNDING || c < -ROUNDING || b + c > 1 + ROUNDING) continue;
         const now = near + b * nearB + c * nearC;
-        if (now <= nearness[at]) continue;
+        if (now <= nearness[at] || depth + b * depthB + c * depthC < 0) continue;
         nearness[at] = now;
         const step = Math.min(Math.max(Math.floor(part + b * partB + c * partC), 0), STEPS - 1);
         colours[at] = table[step * LIGHTS + Math.round(light + b * lightB + c * lightC)];

@@ -1,10 +1,10 @@
 // Draws a thick cell in space on a canvas: its surface, coloured and shaded, where it rested, its size and a scale bar.
 
 import { ramp } from "./colours.js";
-import { blankSolid } from "./data.js";
+import { blankSolid, fillSections } from "./data.js";
 import { Sheet } from "./drawing.js";
 import { number } from "./numbers.js";
-import { Pixels } from "./pixels.js";
+import { Pixels, SIZE } from "./pixels.js";
 
 /** @import { Camera } from "./camera.js" */
 /** @import { Look, Photograph } from "./cell-view.js" */
@@ -39,7 +39,9 @@ export class SpaceView extends Sheet {
   #ghost = new Pixels();
   /** What the cell at rest was drawn for last. */
   #ghostOf = "";
-  /** The shape now and at rest, as `Pixels` has corners. */
+  /** Points at rest, those of the sections as well. */
+  #resting;
+  /** The shape now and at rest, as `Pixels` has points. */
   #now;
   #rest;
   #normals;
@@ -54,16 +56,19 @@ export class SpaceView extends Sheet {
    */
   constructor(canvas, solid, camera, all) {
     super(canvas, boxSeen(all, camera));
-    const points = solid.rest.length / 3;
     this.#solid = solid;
     this.#all = all;
     this.#camera = camera;
     this.#shape = blankSolid(solid);
-    this.#now = new Float32Array(5 * points);
-    this.#rest = new Float32Array(5 * points);
+    this.#resting = blankSolid(solid).points;
+    this.#resting.set(solid.rest);
+    fillSections(solid, this.#resting);
+    const points = this.#resting.length / 3;
+    this.#now = new Float32Array(SIZE * points);
+    this.#rest = new Float32Array(SIZE * points);
     this.#normals = new Float32Array(3 * points);
     // The cell at rest has one colour.
-    for (let point = 0; point < points; point++) this.#rest[5 * point + 4] = 1;
+    for (let point = 0; point < points; point++) this.#rest[SIZE * point + 4] = 1;
   }
 
   /** Length, width and thickness of what was drawn last, in words. */
@@ -72,10 +77,17 @@ export class SpaceView extends Sheet {
     return `${length}\u00a0\u00b5m long, ${width}\u00a0\u00b5m wide, ${thickness}\u00a0\u00b5m thick`;
   }
 
-  /** Least and greatest value of what was drawn last. */
+  /** The section that is shown, if one is. */
+  get #section() {
+    const { section } = this.#camera;
+    return section === null ? null : this.#solid.sections[section];
+  }
+
+  /** Least and greatest value of what was drawn last: of the face of a section, else of the surface. */
   extremes() {
     const { values } = this.#shape;
-    return [Math.min, Math.max].map((of) => values.reduce((end, value) => of(end, value)));
+    const points = this.#section?.corners ?? this.#solid.corners;
+    return [Math.min, Math.max].map((of) => points.reduce((end, point) => of(end, values[point]), values[points[0]]));
   }
 
   /**
@@ -95,11 +107,11 @@ export class SpaceView extends Sheet {
     place.scale = this.#camera.zoom * Math.min(place.scale, fits);
     const finest = Math.sqrt(MOST_PIXELS / (this.width * this.height));
     this.#density = Math.min(Math.max(this.canvas.width / this.width, 2), finest);
-    const { turned, tilted } = this.#camera;
-    const ghostOf = [turned, tilted, place.scale, this.width, this.height].join();
+    const { turned, tilted, section } = this.#camera;
+    const ghostOf = [turned, tilted, section, place.scale, this.width, this.height].join();
     if (this.#ghostOf !== ghostOf) {
       this.#ghostOf = ghostOf;
-      this.#project(this.#solid.rest, place.scale, this.#rest);
+      this.#project(this.#resting, place.scale, this.#rest);
       this.#fill(this.#ghost, this.#rest, GREY, null);
     }
     this.#project(this.#shape.points, place.scale, this.#now);
@@ -117,7 +129,13 @@ export class SpaceView extends Sheet {
   #fill(pixels, seen, colours, line) {
     pixels.clear(Math.round(this.width * this.#density), Math.round(this.height * this.#density));
     pixels.paint(colours, ramp);
-    pixels.patches(seen, this.#solid.corners);
+    const section = this.#section;
+    const surface = this.#solid.rest.length / 3;
+    for (let point = 0, at = 5; at < seen.length; point++, at += SIZE) {
+      seen[at] = section !== null && point < surface ? section.depth[point] : 0;
+    }
+    pixels.patches(seen, this.#solid.corners, section !== null);
+    if (section !== null) pixels.patches(seen, section.corners, false);
     if (line !== null) pixels.outline(line);
     pixels.show();
   }
@@ -134,7 +152,7 @@ export class SpaceView extends Sheet {
     const [right, up, near] = axesOf(this.#camera, this.#solid.longAxis);
     const size = scale * this.#density;
     const [left, top] = [this.width / 2, (this.height - Sheet.FOOT) / 2].map((middle) => middle * this.#density);
-    for (let from = 0, to = 0; from < points.length; from += 3, to += 5) {
+    for (let from = 0, to = 0; from < points.length; from += 3, to += SIZE) {
       const [a, b, c] = [points[from] - x, points[from + 1] - y, points[from + 2] - z];
       into[to] = left + size * (right[0] * a + right[1] * b + right[2] * c);
       into[to + 1] = top - size * (up[0] * a + up[1] * b + up[2] * c);
@@ -146,7 +164,8 @@ export class SpaceView extends Sheet {
   #shade({ low, high }) {
     const normals = this.#normals.fill(0);
     const { points, values } = this.#shape;
-    const { corners } = this.#solid;
+    const { corners, rest } = this.#solid;
+    const surface = rest.length / 3;
     for (let first = 0; first < corners.length; first += 4) {
       const [a, b, c, d] = [3 * corners[first], 3 * corners[first + 1], 3 * corners[first + 2], 3 * corners[first + 3]];
       // The cross product of the diagonals.
@@ -163,8 +182,8 @@ export class SpaceView extends Sheet {
     for (let point = 0; point < values.length; point++) {
       const [u, v, w] = [normals[3 * point], normals[3 * point + 1], normals[3 * point + 2]];
       const lit = (u * x + v * y + w * z) / (Math.hypot(u, v, w) || 1);
-      this.#now[5 * point + 3] = (values[point] - low) / (high - low);
-      this.#now[5 * point + 4] = SHADE + (1 - SHADE) * Math.max(lit, 0);
+      this.#now[SIZE * point + 3] = (values[point] - low) / (high - low);
+      this.#now[SIZE * point + 4] = point < surface ? SHADE + (1 - SHADE) * Math.max(lit, 0) : 1;
     }
   }
 

@@ -48,6 +48,22 @@ function surface() {
   return { corners, points };
 }
 
+/** Sections through the middle of a block, whose points lie there, and how many points they have. @param {number[]} points */
+function cuts(points) {
+  const [length, width, height] = BLOCK.cubes.map((cubes) => cubes * BLOCK.spacing);
+  /** @param {number[]} place */
+  const number = (place) => points.findIndex((_, index) => index % 3 === 0 && place.every((at, axis) => points[index + axis] === at)) / 3;
+  /** @param {number[][]} stations */
+  const part = (stations) => {
+    const ends = stations.flatMap(([x, y]) => [0, height].flatMap((z) => [number([x, y, z]), 0, 0, 0]));
+    const weights = ends.map((_, index) => Number(index % 4 === 0));
+    return { layers: 3, ends: packed(new Uint32Array(ends)), weights: packed(new Float32Array(weights)) };
+  };
+  const along = Array.from({ length: BLOCK.cubes[0] + 1 }, (_, at) => [at * BLOCK.spacing, width / 2]);
+  const across = Array.from({ length: BLOCK.cubes[1] + 1 }, (_, at) => [length / 2, width - at * BLOCK.spacing]);
+  return { sections: /** @type {[any[], any[]]} */ ([[part(along)], [part(across)]]), count: 3 * (along.length + across.length) };
+}
+
 /** Data as the program writes them. @param {Cell} above The same cell seen from above. @returns {Thick} */
 export function blockOf({ fields }) {
   const { corners, points } = surface();
@@ -57,7 +73,9 @@ export function blockOf({ fields }) {
     const stretches = sizeAt(time).map((size, axis) => size / (BLOCK.cubes[axis] * BLOCK.spacing));
     return points.map((at, index) => Math.round((at * (stretches[index % 3] - 1)) / step));
   });
-  const values = times.flatMap((time) => points.filter((_, index) => index % 3 === 0).map(() => Math.round(255 * (1 - shorter(time) / BLOCK.shortening))));
+  const { sections, count } = cuts(points);
+  const drawn = Array.from({ length: points.length / 3 + count });
+  const values = times.flatMap((time) => drawn.map(() => Math.round(255 * (1 - shorter(time) / BLOCK.shortening))));
   const [strain] = fields.filter(({ key }) => key === "fibre-strain");
   const field = { ...strain, low: -100 * BLOCK.shortening, high: 0, values: packed(new Uint8Array(values)) };
   const ratio = { ...field, key: /** @type {const} */ ("volume-ratio"), name: "Volume over volume at rest", unit: "", low: 0.99, high: 1 };
@@ -65,6 +83,7 @@ export function blockOf({ fields }) {
     rest_um: packed(new Float32Array(points)),
     corners: packed(new Uint32Array(corners)),
     long_axis: 0,
+    sections,
     frames: { t_ms: times, displacement: packed(new Int16Array(moved)), step_um: step, size_um: times.map((time) => /** @type {[number, number, number]} */ (sizeAt(time))) },
     spacing_um: BLOCK.spacing,
     accuracy_um: step,

@@ -98,6 +98,57 @@ test("frames lie on straight lines between those that are kept", async () => {
   assert.ok(Math.abs(shape.values[0] + 100 * (1 - (sizeAt(200)[0] + sizeAt(300)[0]) / 2 / 48)) < 0.05);
 });
 
+test("a section lies in its plane, between the lower and the upper side, and moves with the cell", async () => {
+  const data = beatIn(await payloadOf(thick)).cells[0].thick;
+  assert.ok(data !== null);
+  const solid = recordedSolid(data);
+  const shape = blankSolid(solid);
+  solid.at(200, "fibre-strain", shape);
+  const size = sizeAt(200);
+  solid.sections.forEach(({ corners, depth }, section) => {
+    const [within, normal] = section === 0 ? [0, 1] : [1, 0];
+    /** @type {(axis: number) => number[]} */
+    const places = (axis) => [...corners].map((point) => shape.points[3 * point + axis]);
+    // The middle at rest moves with the block, which is stretched about its corner.
+    places(normal).forEach((at) => assert.ok(Math.abs(at - size[normal] / 2) < 1e-3, `${section}: ${at}`));
+    for (const axis of [within, 2]) {
+      assert.ok(Math.abs(Math.max(...places(axis)) - Math.min(...places(axis)) - size[axis]) < 2e-3);
+    }
+    assert.ok([...corners].every((point) => shape.values[point] === shape.values[0]));
+    assert.ok(Math.max(...depth) > 0 && Math.min(...depth) < 0);
+  });
+});
+
+test("a cell that is cut shows the face of its section, and stays cut when it is turned", async () => {
+  await opened(thick, {}, async (page) => {
+    const whole = await seen(page);
+    /** How much of the canvas is inked. */
+    const inked = () =>
+      page.evaluate(() => {
+        const canvas = /** @type {HTMLCanvasElement} */ (document.querySelector("canvas.turns"));
+        const pen = /** @type {OffscreenCanvasRenderingContext2D} */ (new OffscreenCanvas(canvas.width, canvas.height).getContext("2d"));
+        pen.drawImage(canvas, 0, 0);
+        return pen.getImageData(0, 0, canvas.width, canvas.height).data.filter((value, index) => index % 4 === 3 && value === 255).length;
+      });
+    for (const [cut, uncut] of [["along", "side"], ["across", "end"]]) {
+      await page.selectOption("#view", uncut);
+      const side = await inked();
+      await page.selectOption("#view", cut);
+      const face = await seen(page);
+      // A block's section is as large as its side.
+      assert.ok(Math.abs((await inked()) / side - 1) < 0.05);
+      await page.locator("canvas.turns").press("ArrowLeft");
+      assert.equal(await page.inputValue("#view"), cut);
+      assert.notEqual(await seen(page), face);
+      await page.click("#reset-view");
+      assert.equal(await seen(page), face);
+    }
+    await page.locator("canvas.turns").press("Home");
+    assert.equal(await page.inputValue("#view"), "space");
+    assert.equal(await seen(page), whole);
+  });
+});
+
 test("the page of a flat cell offers no view in space", async () => {
   await opened(flat, {}, async (page) => {
     assert.equal(await page.locator("canvas.turns").count(), 0);

@@ -9,7 +9,7 @@ use super::facets::facets;
 
 /// A place between two points: their numbers, and how far it is from the first to the second.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Between {
+pub(crate) struct Between {
     ends: [u32; 2],
     part: f64,
 }
@@ -21,14 +21,19 @@ impl Between {
     }
 
     /// The value there, from those of all points.
-    pub(super) fn of(self, value: impl Fn(usize) -> f64) -> f64 {
+    pub(crate) fn of(self, value: impl Fn(usize) -> f64) -> f64 {
         let [a, b] = self.ends.map(|end| value(end as usize));
         a + self.part * (b - a)
+    }
+
+    /// The two points, and what the place has of each.
+    pub(crate) fn weights(self) -> [(u32, f64); 2] {
+        [(self.ends[0], 1.0 - self.part), (self.ends[1], self.part)]
     }
 }
 
 /// The lines in which a surface is cut: rings of places on it. `heights` are those of its points above the plane.
-pub(super) fn cut_surface(surface: &SmoothSurface, heights: &[f64]) -> Vec<Vec<Between>> {
+pub(crate) fn cut_surface(surface: &SmoothSurface, heights: &[f64]) -> Vec<Vec<Between>> {
     let mut sides = Vec::new();
     for [a, b, c, d] in surface.quads() {
         for triangle in [[a, b, c], [a, c, d]] {

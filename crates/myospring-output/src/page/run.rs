@@ -229,11 +229,14 @@ pub(super) fn curves(recording: &Recording) -> Vec<Curve> {
     // A signal that only grows from beat to beat is not drawn.
     let signals = recording.signals.iter().filter(|signal| !signal.is(STEEPEST_RISE));
     let (calcium, others): (Vec<_>, Vec<_>) = signals.partition(|signal| signal.is(CALCIUM));
-    all.extend(calcium.into_iter().chain(others).map(|signal| Curve {
-        name: signal.name.clone(),
-        unit: signal.unit.clone(),
-        tone: Tone::Signal,
-        values: signal.values.clone(),
+    all.extend(calcium.into_iter().chain(others).map(|signal| {
+        let (name, unit) = signal.title();
+        Curve {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            tone: Tone::Signal,
+            values: signal.values.clone(),
+        }
     }));
     all
 }

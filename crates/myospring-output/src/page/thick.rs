@@ -3,6 +3,7 @@
 use super::error::PageError;
 use super::fields::{self, FieldData};
 use super::frames::{self, Candidate, Fitted, UNSEEN, packed};
+use super::section::{self, Section};
 use crate::digits::rounded;
 use crate::field::{Field, Fields};
 use crate::figure::{FigureError, check_frame, check_mesh};
@@ -36,10 +37,19 @@ pub(super) struct ThickData {
     rest_um: String,
     corners: String,
     long_axis: f64,
+    sections: [Vec<PartData>; 2],
     frames: ThickFrames,
     spacing_um: f64,
     accuracy_um: f64,
     fields: Vec<ThickField>,
+}
+
+/// A grid of a section.
+#[derive(Debug, Serialize)]
+struct PartData {
+    layers: usize,
+    ends: String,
+    weights: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -80,11 +90,17 @@ pub(super) fn of(
         Field::THICK.into_iter().filter(|field| field.is_known(&all, has_tension)).collect();
     let small = small(cell, &all, known.len(), BUDGET / share)?;
     let (displacement, step) = frames::quantised(&small);
-    let Fitted { drawn: surface, kept, tolerance, .. } = small;
+    let Fitted { drawn: Drawn { surface, sections }, kept, tolerance, .. } = small;
     let shown = || kept.iter().map(|&at| all[at]);
     let field = |field| {
-        let values: Vec<Vec<f64>> =
-            shown().map(|frame| surface.means(&fields.on_nodes(field, frame))).collect();
+        let drawn = |frame| {
+            let nodes = fields.on_nodes(field, frame);
+            let mut values = surface.means(&nodes);
+            let parts = sections.iter().flat_map(|section| &section.parts);
+            values.extend(parts.flat_map(|part| part.values(&nodes)));
+            values
+        };
+        let values: Vec<Vec<f64>> = shown().map(drawn).collect();
         let field = fields::data(field, values.iter().cloned());
         let part = |value: &f64| (value - field.low) / (field.high - field.low);
         let bytes = values.iter().flatten().map(|value| [(255.0 * part(value)).round() as u8]);
@@ -96,6 +112,7 @@ pub(super) fn of(
         rest_um: packed(rest.iter().flatten().map(|&x| (x as f32).to_le_bytes())),
         corners: packed(surface.quads().iter().flatten().map(|corner| corner.to_le_bytes())),
         long_axis: rounded(y.atan2(x)),
+        sections: sections.each_ref().map(|section| section.parts.iter().map(part).collect()),
         frames: ThickFrames {
             t_ms: shown().map(|frame| rounded(frame.t_ms)).collect(),
             displacement,
@@ -110,13 +127,25 @@ pub(super) fn of(
     })
 }
 
+fn part(part: &section::Part) -> PartData {
+    let ends = part.ends.iter().flat_map(|(ends, _)| ends).map(|end| end.to_le_bytes());
+    let weights = part.ends.iter().flat_map(|(_, weights)| weights).map(|part| part.to_le_bytes());
+    PartData { layers: part.layers, ends: packed(ends), weights: packed(weights) }
+}
+
+/// A surface, and its sections along and across the long axis.
+struct Drawn {
+    surface: SmoothSurface,
+    sections: [Section; 2],
+}
+
 /// A surface and frames that fit into some bytes.
 fn small(
     cell: &ThickCell<'_>,
     all: &[&Frame<3>],
     fields: usize,
     budget: usize,
-) -> Result<Fitted<SmoothSurface>, FigureError> {
+) -> Result<Fitted<Drawn>, FigureError> {
     let finest = SmoothSurface::new(cell.mesh).ok_or(FigureError::NoCubes)?;
     let times: Vec<f64> = all.iter().map(|frame| frame.t_ms).collect();
     let size = extents(&cell.mesh.points, cell.long_axis);
@@ -131,8 +160,11 @@ fn small(
             pairs.map(|(now, rest)| (now - rest) as f32).collect()
         };
         let displacements = all.iter().map(moved).collect();
-        let bytes = (6 + fields) * rest.len();
-        Candidate { points: rest.len(), bytes, displacements, drawn: surface }
+        let sections = section::both(cell.mesh, &surface, cell.long_axis);
+        let within: usize =
+            sections.iter().flat_map(|section| &section.parts).map(section::Part::len).sum();
+        let bytes = (6 + fields) * rest.len() + fields * within;
+        Candidate { points: rest.len(), bytes, displacements, drawn: Drawn { surface, sections } }
     };
     Ok(frames::fitted(&times, coarser, tolerance, budget, candidate))
 }
@@ -185,8 +217,11 @@ mod tests {
         assert!(data.accuracy_um < 0.05);
         // Not more than three bytes in four characters, of each number.
         let points = data.rest_um.len() * 3 / 4 / 12;
+        let parts = data.sections.iter().flatten();
+        let within: usize = parts.map(|part| part.ends.len() * 3 / 4 / 32 * part.layers).sum();
+        assert!(within > 100);
         let bytes = data.fields[0].values.len() * 3 / 4;
-        assert!(bytes.abs_diff(points * data.frames.t_ms.len()) < 3);
+        assert!(bytes.abs_diff((points + within) * data.frames.t_ms.len()) < 3);
     }
 
     #[test]

@@ -62,6 +62,34 @@ fn a_stack_without_a_scale_says_which_is_missing_and_how_to_give_it() {
     }
 }
 
+#[test]
+fn of_two_cells_the_larger_is_taken_and_said_so_unless_one_is_chosen() {
+    let mut bytes = io::Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut bytes).unwrap();
+    for slice in 0..12_u32 {
+        let inside = |at: u32| {
+            let (column, row) = (at % 140, at / 140);
+            let of_both = (5..45).contains(&row) || (60..84).contains(&row);
+            let within = (10..130).contains(&column) && of_both && (2..10).contains(&slice);
+            if within { 255 } else { 0 }
+        };
+        let pixels: Vec<u8> = (0..140 * 90).map(inside).collect();
+        encoder.write_image::<Gray8>(140, 90, &pixels).unwrap();
+    }
+    let bytes = bytes.into_inner();
+    for (choice, width, is_told) in [("", 20.0, true), ("[segmentation]\ncell = 2", 12.0, false)] {
+        let text = format!(
+            "[shape]\nstack = \"cell.tif\"\npixel_size = \"0.5 um\"\nz_step = \"1 um\"\nspacing = \"2 um\"\n{choice}\n"
+        );
+        let run = RunFile::from_text(&text).unwrap().resolve().unwrap();
+        let shaped = run.shape.mesh(&run.shape.bytes(|_| Ok(bytes.clone())).unwrap()).unwrap();
+        let found = shaped.report.dimensions.width_um;
+        assert!((found - width).abs() < 0.5, "{found}");
+        let warnings = shaped.report.warnings.join("\n");
+        assert_eq!(warnings.contains("2 cells were found"), is_told, "{warnings}");
+    }
+}
+
 /// A slab of 60 x 20 x 8 um with z-discs 1.8 um apart, whose fibres turn by 4 degrees from slice to slice, in slices 1 um apart.
 fn turning() -> Vec<u8> {
     let [columns, rows, slices] = [280_u32, 120, 12];

@@ -58,7 +58,8 @@ pub(in crate::experiment) fn write(
             .ok_or(FigureError::Nothing { what: "thick cells" })?;
         let content = cell.myofibril_content.as_deref();
         let fields = Fields::new(&thick.mesh, &cell.fibres, content)?;
-        let drawn = DrawnThickCell::new(fields, simulation.long_axis)?;
+        let drawn = DrawnThickCell::new(fields, simulation.long_axis)?
+            .coloured_by(finished.colour().in_space());
         figure::thick_cell(&drawn, &figure::key_shapes_in_space(recording, stimuli))
     };
     let all: [(bool, (&str, Draw<'_>)); 10] = [

@@ -229,7 +229,8 @@ fn frames(folder: &Folder, finished: &Finished<'_>) -> Result<(), ExperimentErro
     let Finished { simulation, outline, outcome, .. } = finished;
     let (mesh, fibres) = (&simulation.mesh, &simulation.fibres);
     let content = simulation.myofibril_content.as_deref();
-    let thick = simulation.thick.as_ref().map(|thick| &thick.mesh);
+    let cubes = simulation.thick.as_ref().zip(simulation.in_space());
+    let thick = cubes.as_ref().map(|(thick, cell)| (&thick.mesh, &cell.fibres[..]));
     let bytes = frames::to_npz(mesh, thick, &outcome.recording, fibres, content, outline)?;
     folder.write("frames.npz", bytes)
 }

@@ -48,7 +48,7 @@ pub struct RunPlan {
     pub effort: Effort,
     /// How many springs are computed, where masses move in time.
     pub spring_updates: Option<f64>,
-    /// How long it would take, s.
+    /// How long it would take without writing its results, s: what the mesh and the preparation took, and an estimate of the rest.
     pub estimated_s: f64,
 }
 
@@ -121,7 +121,7 @@ impl PreparedRun {
         let (duration, numerics) = (self.run.duration, &self.run.numerics);
         let solved = self.ready.is_solved();
         let intervals = if solved { 1.0 } else { duration / numerics.output_interval.max(1e-9) };
-        let estimated_s = start.elapsed().as_secs_f64() * intervals;
+        let estimated_s = self.timings.total_s + start.elapsed().as_secs_f64() * intervals;
         let mut effort = first.effort;
         let mut spring_updates = None;
         if let (Some(motion), Effort::Verlet { steps, .. }) = (self.ready.motion(), &mut effort) {

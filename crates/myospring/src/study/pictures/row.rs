@@ -80,6 +80,7 @@ impl CellRow {
         row.number("long_axis_deg", size.long_axis_deg);
         row.number("largest_thickness_um", found.map(|found| found.thickness_um));
         row.number("volume_um3", found.map(|found| found.volume_um3));
+        row.number("slices_in_cell", found.map(|found| found.slices_in_cell as f64));
         row
     }
 
@@ -92,6 +93,14 @@ impl CellRow {
     pub(super) fn fibres(&mut self, report: &FibreReport) {
         let seen = report.seen.as_ref();
         let none_read = report.not_read.as_ref().map(|_| 0.0);
+        if let Some(slices) = &report.slices {
+            let helix = slices.helix.as_ref();
+            self.number("slices_with_fibres", slices.shown() as f64);
+            self.number("fibre_turn_deg", helix.map(|helix| helix.turn_deg));
+            self.number("fibre_turn_error_deg", helix.map(|helix| helix.error_deg));
+            self.number("sarcomere_um", slices.sarcomere_um());
+            return;
+        }
         self.number("fibres_from_picture_pct", seen.map(|seen| seen.read_pct).or(none_read));
         self.number("sarcomere_um", seen.and_then(|seen| seen.sarcomere_um));
         self.number("sarcomere_q1_um", seen.and_then(|seen| seen.sarcomere_q1_um));
