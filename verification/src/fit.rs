@@ -22,6 +22,11 @@ pub fn farthest<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
     (0..a[0].len()).map(apart).fold(0.0, f64::max)
 }
 
+/// Of two numbers the one that is further from 0.
+pub fn furthest(a: f64, b: f64) -> f64 {
+    if b.abs() > a.abs() { b } else { a }
+}
+
 /// The affine map that brings resting points nearest to their positions by least squares, and the
 /// largest distance that remains, um.
 ///

@@ -11,6 +11,7 @@ mod beam;
 mod flat;
 
 use crate::check::{Failure, Setting, metric};
+use crate::fit::furthest;
 use crate::random::Random;
 use crate::row::Row;
 use myospring::integrate::Method;
@@ -143,10 +144,6 @@ fn material(quick: bool) -> Result<Vec<Row>, Failure> {
         "tolerance of the equilibrium",
     ));
     Ok(rows)
-}
-
-fn furthest(a: f64, b: f64) -> f64 {
-    if b.abs() > a.abs() { b } else { a }
 }
 
 /// `x = F X + c` by least squares over the block's opposite corners, and the largest distance of a node from it, um.

@@ -10,6 +10,7 @@
 //! ```
 
 use crate::check::Failure;
+use crate::fit::furthest;
 use crate::row::Row;
 use myospring::integrate::quasi_static::{Path, Tolerance};
 use myospring::mechanics::active::ActiveLaw;
@@ -153,7 +154,7 @@ pub(super) fn rows() -> Result<Vec<Row>, Failure> {
         let [seen_thick, off_thick] = compared(mesh, made, of_thick)?;
         departure = departure.max(off_flat).max(off_thick);
         let own = of_thick[0] - of_flat[0];
-        difference = super::furthest(difference, seen_flat - seen_thick - own);
+        difference = furthest(difference, seen_flat - seen_thick - own);
     }
     let precision = "tolerance of the equilibrium";
     rows.push(Row::difference(

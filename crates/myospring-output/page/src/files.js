@@ -71,14 +71,18 @@ export class Files {
     this.#builtIn.addEventListener("click", () => {
       this.#input.value = "";
       this.#leave();
+      if (measured.shape !== null) measured.leave();
       form.takeShape({});
     });
+    // A stack is a cell as a picture is.
+    measured.addEventListener("read", () => (this.#builtIn.hidden = measured.shape === null && Object.keys(this.#picture).length === 0));
     this.#outlines.addEventListener("choose", (event) => this.#change({ "segmentation.cell": /** @type {CustomEvent} */ (event).detail }));
     this.#outlines.addEventListener("edited", () => this.#edit());
     this.#outlines.addEventListener("painted", (event) => this.#trace(/** @type {CustomEvent} */ (event).detail));
     this.#outlines.addEventListener("measured", (event) => this.#measure(/** @type {CustomEvent} */ (event).detail));
     this.#bar.addEventListener("change", () => this.#scale());
-    find("beads", HTMLButtonElement).addEventListener("click", () => this.#asBeads());
+    find("beads", HTMLButtonElement).addEventListener("click", () => this.#as("beads"));
+    find("stack", HTMLButtonElement).addEventListener("click", () => this.#as("stack"));
     measured.addEventListener("given", (event) => this.#give(/** @type {CustomEvent} */ (event).detail));
     for (const button of document.querySelectorAll("[data-outline]")) {
       button.addEventListener("click", () => doing.save({ ask: "outline", settings: this.#picture, name: button.getAttribute("data-outline") ?? "" }));
@@ -140,11 +144,11 @@ export class Files {
     this.#measured.dispatchEvent(new Event("read"));
   }
 
-  /** The picture shows beads, not a cell. */
-  #asBeads() {
+  /** The picture is not that of a cell from above. @param {"beads" | "stack"} what */
+  #as(what) {
     const [name, pixel_size_um] = [String(this.#picture["shape.picture"]), this.#pixelSize.value];
     this.#leave();
-    this.#measured.take([name], "beads", { pixel_size_um });
+    this.#measured.take([name], what, { pixel_size_um });
     this.#measured.dispatchEvent(new Event("read"));
   }
 

@@ -28,7 +28,9 @@ const support = (/** @type {string[]} */ ...words) => (/** @type {Form} */ form)
 /** Where the shape comes from, unless it is from a file. @type {Shown} */
 const SHAPE = { key: "shape.built_in", name: "shape", when: (form) => form.isBuiltIn };
 
-const isThick = (/** @type {Form} */ form) => form.value("shape.profile") !== "flat";
+const hasProfile = (/** @type {Form} */ form) => !form.isStack && form.value("shape.profile") !== "flat";
+
+const isThick = (/** @type {Form} */ form) => form.isStack || hasProfile(form);
 
 const isTissue = (/** @type {Form} */ form) => form.isBuiltIn && String(form.value("shape.built_in")).startsWith("tissue");
 
@@ -41,7 +43,7 @@ const GROUPS = [
     "Form",
     [
       { key: "shape.profile", name: "section", when: (form) => !form.isStack },
-      { key: "material.thickness", name: "greatest thickness", slider: [2, 30, 0.5], when: isThick },
+      { key: "material.thickness", name: "greatest thickness", slider: [2, 30, 0.5], when: hasProfile },
       { key: "mechanics.helix_angle", name: "turn of the fibres", slider: [-90, 90, 1], start: 0, when: isThick },
     ],
   ],
@@ -192,6 +194,9 @@ export class Form extends EventTarget {
   takeShape(shape) {
     this.#shape = shape;
     if (!this.isBuiltIn) this.#changed.delete(SHAPE.key);
+    // A stack shows the form of its cell.
+    const hadForm = this.isStack && ["shape.profile", "material.thickness"].filter((key) => this.#changed.delete(key)).length > 0;
+    if (hadForm) this.#build();
     this.tell();
   }
 

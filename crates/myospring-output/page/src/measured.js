@@ -4,7 +4,7 @@ import { find, make } from "./elements.js";
 
 /** @import { Displaced, Reading, Request, Value } from "./requests.js" */
 
-/** @typedef {"curve" | "film" | "beads" | "arrays" | "posts" | "light"} What A table of curves, a film of a cell, of beads in a gel, of a tissue on posts or of its light, or displacements of a gel. */
+/** @typedef {"curve" | "film" | "beads" | "arrays" | "posts" | "light" | "stack"} What A table of curves, a film of a cell, of beads in a gel, of a tissue on posts or of its light, displacements of a gel, or the slices of a cell in depth. */
 
 /** Films, displacements, and tables of curves; a text may also be an outline. */
 export const FILMS = /\.(avi|y4m)$/i;
@@ -15,6 +15,8 @@ export const TABLES = /\.(csv|txt|tsv|atf|asc|tab|xlsx|xlsm)$/i;
 const FIELDS = {
   "--frame-rate": "frames a second",
   "--pixel-size": "size of a pixel",
+  "--z-step": "distance of two slices",
+  "--first-slice": "the first slice is",
   "--columns": "columns",
   "--kind": "kind of the curve",
   "--unit": "unit of the values",
@@ -65,6 +67,7 @@ const DOING = {
   arrays: "Finding the tractions",
   posts: "Following the posts",
   light: "Mapping the waves",
+  stack: "Reading the slices",
 };
 
 /** What a film may show. @type {[What, string][]} */
@@ -73,11 +76,21 @@ const SHOWN = [
   ["beads", "beads in a gel"],
   ["posts", "two posts"],
   ["light", "a tissue\u2019s light"],
+  ["stack", "slices of a cell in depth"],
+];
+
+/** Which slice of a stack comes first. @type {[string, string][]} */
+const FIRST = [
+  ["bottom", "the lowest"],
+  ["top", "the highest"],
 ];
 
 /** Fields that are not for all files, and for which. @type {Record<string, What[]>} */
 const FOR = {
-  shows: ["film", "beads", "posts", "light"],
+  shows: ["film", "beads", "posts", "light", "stack"],
+  frame_rate_per_s: ["curve", "film", "beads", "arrays", "posts", "light"],
+  z_step_um: ["stack"],
+  first_slice: ["stack"],
   columns: ["curve"],
   kind: ["curve"],
   unit: ["curve"],
@@ -86,7 +99,7 @@ const FOR = {
   until_ms: ["curve", "film"],
   stimulus_period_ms: ["curve", "light"],
   peak_shortening_pct: ["curve"],
-  allow_cut: ["film"],
+  allow_cut: ["film", "stack"],
   traction: ["curve", "film"],
   gel_modulus_kpa: ["curve", "film", "beads", "arrays"],
   gel_poisson: ["beads", "arrays"],
@@ -101,8 +114,8 @@ const FOR = {
 
 /** What a cell may be fitted to. @type {What[]} */
 const FITTED = ["curve", "film"];
-/** Films whose pixel size is a setting of a cell. @type {What[]} */
-const OF_SETTINGS = ["film", "posts"];
+/** What has the size of a pixel as a setting of a cell. @type {What[]} */
+const OF_SETTINGS = ["film", "posts", "stack"];
 
 /**
  * Two arrays of displacements, that to the right first: the one whose name says `u`, or the earlier one.
@@ -139,6 +152,8 @@ export class Measured extends EventTarget {
     this.#add("shows", "It shows", shows);
     this.#add("frame_rate_per_s", "Frames a second", numberField());
     this.#add("pixel_size_um", "Size of a pixel, \u00b5m", numberField());
+    this.#add("z_step_um", "Distance of two slices, \u00b5m", numberField("in the file"));
+    this.#add("first_slice", "The first slice is", make("select", {}, ...FIRST.map(([value, words]) => make("option", { value }, words))));
     this.#add("columns", "Columns", make("input", { type: "text", placeholder: "all", spellcheck: "false" }));
     this.#add("kind", "Kind of the curve", kind);
     this.#add("unit", "Unit of the values", make("input", { type: "text", size: "6", spellcheck: "false" }));
@@ -185,7 +200,7 @@ export class Measured extends EventTarget {
     this.#given.clear();
     for (const [key, input] of this.#inputs) {
       if (input instanceof HTMLInputElement && input.type === "checkbox") input.checked = false;
-      else input.value = known[key] ?? "";
+      else input.value = known[key] ?? (input instanceof HTMLSelectElement ? (input.options[0]?.value ?? "") : "");
     }
     this.#title.textContent = this.name;
     this.#become(what);
@@ -268,6 +283,18 @@ export class Measured extends EventTarget {
     /** @type {Record<string, Value>} */
     const own = size === null ? {} : { "shape.pixel_size": `${size} um` };
     return cut instanceof HTMLInputElement && cut.checked ? { ...own, "segmentation.allow_cut": true } : own;
+  }
+
+  /** The cell that the file itself is, if it is a stack. @returns {Record<string, Value> | null} */
+  get shape() {
+    if (this.#what !== "stack" || this.#names.length === 0) return null;
+    const step = this.#number("z_step_um");
+    return {
+      "shape.stack": this.name,
+      "shape.first_slice": this.#text("first_slice") ?? FIRST[0][0],
+      ...(step === null ? {} : { "shape.z_step": `${step} um` }),
+      ...this.#own,
+    };
   }
 
   /** Displacements and the gel. @returns {Displaced} */

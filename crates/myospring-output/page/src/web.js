@@ -232,6 +232,10 @@ function setUpMeasured(engine, form, measured) {
   const model = find("fit-model", HTMLSelectElement);
   let reading = 0;
   const read = async () => {
+    if (measured.shape !== null) {
+      measured.open();
+      return form.takeShape(measured.shape);
+    }
     takeOver.hidden = true;
     pin.hidden = true;
     // What was asked before has another answer now.

@@ -270,6 +270,35 @@ test("a film of a tissue on two posts gives its force, found or where they are s
   });
 });
 
+test("slices in depth are a thick cell, whose distance may be stated", async () => {
+  await opened({}, async (page) => {
+    const begun = await runsOf(page);
+    await page.locator("#form").getByLabel("section").selectOption("dome");
+    await ran(page, begun + 1);
+    await page.locator("#file").setInputFiles(join(EXAMPLES, "tutorial/stack.tif"));
+    await ran(page, begun + 2);
+    const first = await runsOf(page);
+    await page.getByRole("button", { name: "It is a stack of slices in depth" }).click();
+    await ran(page, first + 1);
+    assert.equal(await ended(page), null);
+    assert.ok(await page.isVisible("canvas.turns"));
+    /** What a screen reader says of its thickness, um. */
+    const thickness = async () => Number(/, ([\d.]+).µm thick/.exec((await page.getAttribute("canvas.turns", "aria-label")) ?? "")?.[1]);
+    const stated = await thickness();
+    assert.ok(stated > 3 && stated < 30, `${stated}`);
+    const step = await page.locator("#measured").getByLabel("Distance of two slices").inputValue();
+    assert.equal(step, "");
+    await fillIn(page, "Distance of two slices, \u00b5m", "0.5");
+    await ran(page, first + 2);
+    assert.ok(Math.abs((await thickness()) - stated) > 0.3);
+    assert.deepEqual(await violationsOn(page), []);
+    await shot(page, "stack");
+    await page.getByRole("button", { name: "Built-in cell" }).click();
+    await ran(page, first + 3);
+    assert.equal(await page.isVisible("#measured"), false);
+  });
+});
+
 test("a film of a tissue's light gives a map of its wave and how fast it goes", async () => {
   await writeFile(join(folder, "light.y4m"), lightFilm());
   await opened({}, async (page) => {
