@@ -22,6 +22,7 @@ use myospring::measured::TableOptions;
 use myospring::microscopy::film::Film;
 use myospring::microscopy::outlines::OutlineFormat;
 use myospring::microscopy::picture::Selection;
+use myospring::microscopy::read::read_picture;
 use myospring::output::{csv, page};
 use myospring::run_file::RunFile;
 use myospring::settings::{self, FromFile, Models, Run, Value};
@@ -91,6 +92,8 @@ enum Held {
     Curves,
     Outline,
     Film,
+    /// Slices in depth, as the file says.
+    Stack,
 }
 
 /// A file of results.
@@ -239,7 +242,11 @@ impl Engine {
         let bytes =
             self.files.bytes(path).map_err(|error| ExperimentError::unread(path, &error))?;
         let is_outline = OutlineFormat::of(&bytes).is_some();
-        Ok(if Film::read(bytes, &Selection::default()).is_ok() {
+        let picture = read_picture(&bytes, &Selection::default());
+        let is_stack = picture.is_ok_and(|picture| picture.slices > 1 && picture.frames <= 1);
+        Ok(if is_stack {
+            Held::Stack
+        } else if Film::read(bytes, &Selection::default()).is_ok() {
             Held::Film
         } else if is_outline && self.files.table(path, &TableOptions::default()).is_err() {
             Held::Outline

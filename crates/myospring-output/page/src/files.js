@@ -25,7 +25,7 @@ const OF_JPEG = "It is a JPEG, whose compression smears edges and makes blocks o
 const RUN_FILE = /"file":"run\.toml","text":("(?:[^"\\]|\\.)*")/;
 const FILE = /\.(png|tiff?|csv|txt|tsv|xlsx|geojson|json|roi|zip|mmt|cellml)$/i;
 
-/** @typedef {"picture" | "outline" | "film" | "curves" | "arrays" | "run" | "model" | "report"} Kind */
+/** @typedef {"picture" | "outline" | "film" | "stack" | "curves" | "arrays" | "run" | "model" | "report"} Kind */
 
 /**
  * What the page does besides.
@@ -81,8 +81,7 @@ export class Files {
     this.#outlines.addEventListener("painted", (event) => this.#trace(/** @type {CustomEvent} */ (event).detail));
     this.#outlines.addEventListener("measured", (event) => this.#measure(/** @type {CustomEvent} */ (event).detail));
     this.#bar.addEventListener("change", () => this.#scale());
-    find("beads", HTMLButtonElement).addEventListener("click", () => this.#as("beads"));
-    find("stack", HTMLButtonElement).addEventListener("click", () => this.#as("stack"));
+    find("beads", HTMLButtonElement).addEventListener("click", () => this.#as("beads", String(this.#picture["shape.picture"])));
     measured.addEventListener("given", (event) => this.#give(/** @type {CustomEvent} */ (event).detail));
     for (const button of document.querySelectorAll("[data-outline]")) {
       button.addEventListener("click", () => doing.save({ ask: "outline", settings: this.#picture, name: button.getAttribute("data-outline") ?? "" }));
@@ -144,9 +143,9 @@ export class Files {
     this.#measured.dispatchEvent(new Event("read"));
   }
 
-  /** The picture is not that of a cell from above. @param {"beads" | "stack"} what */
-  #as(what) {
-    const [name, pixel_size_um] = [String(this.#picture["shape.picture"]), this.#pixelSize.value];
+  /** A picture that is not that of a cell from above. @param {"beads" | "stack"} what @param {string} name */
+  #as(what, name) {
+    const pixel_size_um = this.#pixelSize.value;
     this.#leave();
     this.#measured.take([name], what, { pixel_size_um });
     this.#measured.dispatchEvent(new Event("read"));
@@ -199,7 +198,7 @@ export class Files {
     if (/\.png$/i.test(name)) return "picture";
     const answer = await this.#engine.ask({ ask: "kind", name });
     if (this.#doing.failed(answer) || answer.kind === undefined) return null;
-    return PICTURES.test(name) && answer.kind !== "film" ? "picture" : answer.kind;
+    return PICTURES.test(name) && !["film", "stack"].includes(answer.kind) ? "picture" : answer.kind;
   }
 
   /** Shows a report, and sets its run up, if that needs no other file. @param {string} name @param {string} text */
@@ -222,6 +221,7 @@ export class Files {
       return void this.#measured.dispatchEvent(new Event("read"));
     }
     if (kind === "arrays") return this.#pair(name);
+    if (kind === "stack") return this.#as("stack", name);
     if (kind === "model") return void ((await this.#learn(name)) && this.#form.takeModel(name));
     if (kind === "run") {
       const answer = await this.#engine.ask({ ask: "settings", name });

@@ -83,7 +83,7 @@ export interface Answer {
   doses?: string[];
   file?: { name: string; base64: string };
   results?: Results;
-  kind?: "curves" | "outline" | "film";
+  kind?: "curves" | "outline" | "film" | "stack";
   picture?: ShownCells;
   settings?: Record<string, Value>;
   model?: Model;
