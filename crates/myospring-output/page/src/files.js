@@ -81,7 +81,7 @@ export class Files {
     this.#outlines.addEventListener("painted", (event) => this.#trace(/** @type {CustomEvent} */ (event).detail));
     this.#outlines.addEventListener("measured", (event) => this.#measure(/** @type {CustomEvent} */ (event).detail));
     this.#bar.addEventListener("change", () => this.#scale());
-    find("beads", HTMLButtonElement).addEventListener("click", () => this.#as("beads", String(this.#picture["shape.picture"])));
+    find("beads", HTMLButtonElement).addEventListener("click", () => this.#as("beads", String(this.#picture["shape.picture"]), { pixel_size_um: this.#pixelSize.value }));
     measured.addEventListener("given", (event) => this.#give(/** @type {CustomEvent} */ (event).detail));
     for (const button of document.querySelectorAll("[data-outline]")) {
       button.addEventListener("click", () => doing.save({ ask: "outline", settings: this.#picture, name: button.getAttribute("data-outline") ?? "" }));
@@ -143,11 +143,16 @@ export class Files {
     this.#measured.dispatchEvent(new Event("read"));
   }
 
-  /** A picture that is not that of a cell from above. @param {"beads" | "stack"} what @param {string} name */
-  #as(what, name) {
-    const pixel_size_um = this.#pixelSize.value;
+  /**
+   * Takes pictures that are not of a cell from above.
+   *
+   * @param {"beads" | "stack"} what
+   * @param {string} name
+   * @param {Record<string, string>} [known]
+   */
+  #as(what, name, known) {
     this.#leave();
-    this.#measured.take([name], what, { pixel_size_um });
+    this.#measured.take([name], what, known);
     this.#measured.dispatchEvent(new Event("read"));
   }
 
