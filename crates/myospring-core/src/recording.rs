@@ -134,10 +134,16 @@ impl Signal {
     /// assert_eq!(signal(TRACTION_FORCE, "nN").title(), ("Force on the gel", "nN"));
     /// // As a table has it.
     /// assert_eq!(signal("traction_force_nN", "").title(), ("Force on the gel", "nN"));
-    /// assert_eq!(signal("I_Na", "A/F").title(), ("I_Na", "A/F"));
+    /// assert_eq!(signal("volume_nsr", "pL").title(), ("volume_nsr", "pL"));
     /// ```
     pub fn title(&self) -> (&str, &str) {
-        let known = TITLES.iter().find(|(name, ..)| self.is(name));
+        let known = TITLES.iter().find(|(name, _, unit)| {
+            let rest = self.name.strip_prefix(name);
+            rest.is_some_and(|rest| match rest.strip_prefix('_') {
+                Some(in_name) => self.unit.is_empty() && in_name == *unit,
+                None => rest.is_empty() && self.unit == *unit,
+            })
+        });
         known.map_or((&self.name, &self.unit), |&(_, title, unit)| (title, unit))
     }
 }

@@ -86,7 +86,9 @@ export class SpaceView extends Sheet {
   /** Least and greatest value of what was drawn last: of the face of a section, else of the surface. */
   extremes() {
     const { values } = this.#shape;
-    const points = this.#section?.corners ?? this.#solid.corners;
+    const face = this.#section?.corners;
+    // A plane through a hole cuts nothing.
+    const points = face !== undefined && face.length > 0 ? face : this.#solid.corners;
     return [Math.min, Math.max].map((of) => points.reduce((end, point) => of(end, values[point]), values[points[0]]));
   }
 
