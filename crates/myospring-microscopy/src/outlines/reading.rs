@@ -82,7 +82,7 @@ pub fn read_outlines_as(
     options: &ReadOptions,
 ) -> Result<GivenOutlines, OutlineFileError> {
     let mut notes = Vec::new();
-    let raw = match format {
+    let mut raw = match format {
         OutlineFormat::ImageJRoi => roi::read(bytes, file_name)?,
         OutlineFormat::ImageJRoiSet => roi_set::read(bytes, &mut notes)?,
         OutlineFormat::GeoJson => geojson::read(bytes, options.silent_unit, &mut notes)?,
@@ -92,6 +92,7 @@ pub fn read_outlines_as(
         return Err(OutlineFileError::Empty { notes });
     }
     check_counts(&raw)?;
+    raw.iter_mut().for_each(|raw| shorten(&mut raw.name, &mut notes));
     let frame = frame_of(&raw, options.placement, &mut notes)?;
     let mut outlines = Vec::with_capacity(raw.len());
     let mut first = None;
@@ -110,6 +111,20 @@ pub fn read_outlines_as(
         return Err(error);
     }
     Ok(GivenOutlines { outlines, notes })
+}
+
+/// Most letters of a name: those of files in a zip, of columns and of messages have bounds, too.
+const LONGEST_NAME: usize = 200;
+
+/// Cuts a name that is too long, with a note.
+fn shorten(name: &mut String, notes: &mut Vec<String>) {
+    if let Some((end, _)) = name.char_indices().nth(LONGEST_NAME) {
+        let letters = name.chars().count();
+        name.truncate(name[..end].trim_end().len());
+        notes.push(format!(
+            "the name of an outline has {letters} letters, of which {LONGEST_NAME} are kept: {name}"
+        ));
+    }
 }
 
 fn check_counts(raw: &[Raw]) -> Result<(), OutlineFileError> {

@@ -192,11 +192,13 @@ impl<'a, const D: usize, const N: usize> Fields<'a, D, N> {
 
     /// A value for each simplex; that at rest where one has no shape.
     fn by_shape(&self, field: Field, value: impl Fn(&Simplex<N>, &Shape<D>) -> f64) -> Vec<f64> {
-        let pairs = self.mesh.simplices.iter().zip(&self.shapes);
-        let of = |(simplex, shape): (&Simplex<N>, &Shape<D>)| {
-            if shape.measure == 0.0 { field.at_rest() } else { value(simplex, shape) }
-        };
-        pairs.map(of).collect()
+        let mut values = vec![field.at_rest(); self.shapes.len()];
+        for (at, shape) in self.shapes.iter().enumerate() {
+            if shape.measure != 0.0 {
+                values[at] = value(&self.mesh.simplices[at], shape);
+            }
+        }
+        values
     }
 
     /// The value at each node: for displacement, traction and potential its own, else the mean over adjacent
@@ -280,22 +282,41 @@ impl Fields<'_> {
     }
 }
 
+// Of every simplex in every frame: plain loops, which are quick however little the compiler is asked to optimise.
+
 /// Edges from the first corner to each other one.
 fn edges<const D: usize, const N: usize>(
     positions: &[Vec<f64>; D],
     simplex: &Simplex<N>,
 ) -> [[f64; D]; D] {
-    let at = |corner: usize, axis: usize| positions[axis][simplex.nodes[corner] as usize];
-    std::array::from_fn(|edge| std::array::from_fn(|axis| at(edge + 1, axis) - at(0, axis)))
+    let mut edges = [[0.0; D]; D];
+    for axis in 0..D {
+        let at = &positions[axis];
+        let first = at[simplex.nodes[0] as usize];
+        for edge in 0..D {
+            edges[edge][axis] = at[simplex.nodes[edge + 1] as usize] - first;
+        }
+    }
+    edges
 }
 
 /// A vector whose parts of the edges are given.
 fn moved<const D: usize>(edges: &[[f64; D]; D], parts: [f64; D]) -> [f64; D] {
-    std::array::from_fn(|axis| edges.iter().zip(parts).map(|(edge, part)| edge[axis] * part).sum())
+    let mut vector = [0.0; D];
+    for edge in 0..D {
+        for axis in 0..D {
+            vector[axis] += edges[edge][axis] * parts[edge];
+        }
+    }
+    vector
 }
 
 fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+    let mut sum = 0.0;
+    for axis in 0..D {
+        sum += a[axis] * b[axis];
+    }
+    sum
 }
 
 fn norm<const D: usize>(vector: [f64; D]) -> f64 {

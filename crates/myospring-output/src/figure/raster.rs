@@ -39,8 +39,11 @@ pub(super) fn painted(figure: &Figure, dpi: f64) -> Result<Pixels, FigureError> 
     let [red, green, blue] = figure.paper.channels();
     pixmap.fill(Color::from_rgba8(red, green, blue, u8::MAX));
     Canvas { pixmap: &mut pixmap, transform, mask: None }.draw(&figure.elements);
-    // The page is opaque.
-    let colours = pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+    let mut colours = vec![0; 3 * pixmap.pixels().len()];
+    for (rgb, rgba) in colours.chunks_exact_mut(3).zip(pixmap.data().chunks_exact(4)) {
+        // The page is opaque.
+        rgb.copy_from_slice(&rgba[..3]);
+    }
     Ok(Pixels { size: [width, height], colours })
 }
 

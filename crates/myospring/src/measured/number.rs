@@ -24,7 +24,7 @@ const MISSING: [&str; 9] = ["", "nan", "na", "n/a", "#n/a", "null", "none", "-",
 /// Reads a field with this decimal mark.
 pub(super) fn cell(field: &str, decimal: Decimal) -> Cell {
     let field = field.trim();
-    if MISSING.contains(&field.to_lowercase().as_str()) {
+    if MISSING.iter().any(|word| word.eq_ignore_ascii_case(field)) {
         return Cell::Missing;
     }
     number(field, decimal).map_or(Cell::Text, Cell::Number)
@@ -39,19 +39,23 @@ fn number(field: &str, decimal: Decimal) -> Option<f64> {
         Decimal::Point => ('.', ','),
         Decimal::Comma => (',', '.'),
     };
-    let (whole, rest) = match field.find([mark, 'e', 'E']) {
-        Some(at) => field.split_at(at),
-        None => (field, ""),
-    };
-    let groups: Vec<&str> = whole.trim_start_matches(['+', '-']).split([thousands, '\'']).collect();
-    let grouped = groups.len() == 1
-        || (groups[0].len() <= 3
-            && !groups[0].is_empty()
-            && groups[1..].iter().all(|group| group.len() == 3));
-    if !grouped {
-        return None;
+    let separators = [thousands, '\''];
+    // Most fields can be read as they are.
+    if !field.contains([mark, thousands, '\'']) || (mark == '.' && !field.contains(separators)) {
+        return finite(field);
     }
-    let plain = format!("{whole}{rest}").replace([thousands, '\''], "").replace(mark, ".");
+    let whole = field.find([mark, 'e', 'E']).map_or(field, |at| &field[..at]);
+    let mut groups = whole.trim_start_matches(['+', '-']).split(separators);
+    let first = groups.next().unwrap_or_default();
+    let mut others = groups.peekable();
+    let grouped = others.peek().is_none()
+        || ((1..=3).contains(&first.len()) && others.all(|group| group.len() == 3));
+    let kept = field.chars().filter(|letter| !separators.contains(letter));
+    let plain: String = kept.map(|letter| if letter == mark { '.' } else { letter }).collect();
+    if grouped { finite(&plain) } else { None }
+}
+
+fn finite(plain: &str) -> Option<f64> {
     plain.parse::<f64>().ok().filter(|number| number.is_finite())
 }
 

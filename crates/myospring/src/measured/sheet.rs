@@ -201,6 +201,7 @@ fn split(line: &str, delimiter: char) -> Vec<String> {
         .flexible(true)
         .trim(csv::Trim::All)
         .delimiter(delimiter as u8)
+        .buffer_capacity(line.len())
         .from_reader(line.as_bytes());
     let record = reader.records().next().and_then(Result::ok);
     record.map_or_else(Vec::new, |record| record.iter().map(str::to_owned).collect())
@@ -271,7 +272,7 @@ impl Try {
 
     /// Finds the table among the rows; `text_of` returns the text of a line.
     fn sheet<'t>(&self, rows: Vec<Row>, text_of: impl Fn(u64) -> &'t str) -> Sheet {
-        let all: Vec<Row> = rows
+        let mut all: Vec<Row> = rows
             .into_iter()
             .filter(|row| row.fields.iter().any(|field| !field.is_empty()))
             .collect();
@@ -297,7 +298,7 @@ impl Try {
         let sheet = Sheet {
             header: Vec::new(),
             groups: Vec::new(),
-            rows: all[start..].to_vec(),
+            rows: all.split_off(start),
             decimal: self.decimal,
             above: if above > 2 { above } else { 0 },
             usual: self.width,

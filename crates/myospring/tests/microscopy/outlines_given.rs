@@ -376,6 +376,20 @@ fn every_polygon_is_a_cell_with_a_name() {
 }
 
 #[test]
+fn names_that_are_too_long_for_a_zip_are_cut() {
+    // Found among damaged files: a name may take 64 kB of a zip at most.
+    let long = "β".repeat(70_000);
+    let text = feature(&format!(r#"{{"name":"{long}"}}"#), CORNERS);
+    let given = read(text.as_bytes()).unwrap();
+    let name = &given.outlines[0].name;
+    assert_eq!(*name, "β".repeat(200));
+    let note = format!("the name of an outline has 70000 letters, of which 200 are kept: {name}");
+    assert_eq!(given.notes[0], note);
+    let set = write_roi_set(&given.outlines, &frame()).unwrap();
+    assert_eq!(names(&read(&set).unwrap().outlines), [name]);
+}
+
+#[test]
 fn the_reader_of_one_outline_agrees_with_that_of_many() {
     let cell = built_in::adult_ventricular();
     let given = read_outlines(
