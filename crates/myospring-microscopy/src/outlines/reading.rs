@@ -92,7 +92,9 @@ pub fn read_outlines_as(
         return Err(OutlineFileError::Empty { notes });
     }
     check_counts(&raw)?;
-    raw.iter_mut().for_each(|raw| shorten(&mut raw.name, &mut notes));
+    for raw in &mut raw {
+        shorten(&mut raw.name, &mut notes);
+    }
     let frame = frame_of(&raw, options.placement, &mut notes)?;
     let mut outlines = Vec::with_capacity(raw.len());
     let mut first = None;
