@@ -125,7 +125,7 @@ impl Signal {
         self.name.strip_prefix(name).is_some_and(|unit| unit.is_empty() || unit.starts_with('_'))
     }
 
-    /// What it is called in figures, and its unit: `Force on the gel` in nN. One of the cell model has its own name.
+    /// What it is called in figures, and its unit: `Force on the gel` in nN. Signals of the cell model keep their names and units.
     ///
     /// ```
     /// use myospring_core::recording::{Signal, TRACTION_FORCE};
@@ -134,13 +134,14 @@ impl Signal {
     /// assert_eq!(signal(TRACTION_FORCE, "nN").title(), ("Force on the gel", "nN"));
     /// // As a table has it.
     /// assert_eq!(signal("traction_force_nN", "").title(), ("Force on the gel", "nN"));
+    /// assert_eq!(signal("volume_um3", "").title(), ("Volume", "um^3"));
     /// assert_eq!(signal("volume_nsr", "pL").title(), ("volume_nsr", "pL"));
     /// ```
     pub fn title(&self) -> (&str, &str) {
         let known = TITLES.iter().find(|(name, _, unit)| {
             let rest = self.name.strip_prefix(name);
             rest.is_some_and(|rest| match rest.strip_prefix('_') {
-                Some(in_name) => self.unit.is_empty() && in_name == *unit,
+                Some(in_name) => self.unit.is_empty() && in_name == unit.replace('^', ""),
                 None => rest.is_empty() && self.unit == *unit,
             })
         });

@@ -135,12 +135,7 @@ fn in_space(
     let frames = &recording.in_space;
     let moved = frames.iter().flat_map(|frame| triples(&frame.positions));
     let corners: Vec<[u32; 8]> = cubes::corners(mesh).collect();
-    let of_cube = |directions: &[[f64; 3]]| -> [f64; 3] {
-        let sum = [0, 1, 2].map(|axis: usize| directions.iter().map(|d| d[axis]).sum::<f64>());
-        let length = sum.into_iter().fold(0.0, f64::hypot);
-        sum.map(|part| part / length)
-    };
-    let directions = fibres.chunks(cubes::TETRAHEDRA_OF_A_CUBE).flat_map(of_cube);
+    let directions = fibres.chunks(cubes::TETRAHEDRA_OF_A_CUBE).flat_map(common_direction);
     let mut arrays = vec![
         ("positions_in_space_um", Array::floats([frames.len(), points, 3], moved)),
         ("rest_in_space_um", Array::floats([points, 3], triples(&mesh.points))),
@@ -160,6 +155,20 @@ fn in_space(
         arrays.push(("force_on_gel_in_space_nN", array));
     }
     arrays
+}
+
+/// The unit vector along fibres that are nearly parallel. A fibre has no sign: each is turned to the side of those before it.
+fn common_direction(fibres: &[[f64; 3]]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for fibre in fibres {
+        let along: f64 = sum.iter().zip(fibre).map(|(a, b)| a * b).sum();
+        let sign = if along < 0.0 { -1.0 } else { 1.0 };
+        for (sum, part) in sum.iter_mut().zip(fibre) {
+            *sum += sign * part;
+        }
+    }
+    let length = sum.into_iter().fold(0.0, f64::hypot);
+    sum.map(|part| part / length)
 }
 
 /// Content of `frames.npz`: a mesh without springs, enough to draw it, and its frames.
@@ -262,6 +271,18 @@ fn lattice(rest: &[[f64; 2]], places: Option<&[i32]>, spacing: Option<&[f64]>) -
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn fibres_that_point_to_either_side_of_one_line_have_it_in_common() {
+        // As those of an upright cell at 89 and -89 degrees, which are 2 degrees apart.
+        let fibre = |angle: f64| [angle.to_radians().cos(), angle.to_radians().sin(), 0.0];
+        let alternating: Vec<[f64; 3]> =
+            (0..10).map(|index| fibre(if index % 2 == 0 { 89.0 } else { -89.0 })).collect();
+        let [x, y, z] = super::common_direction(&alternating);
+        assert!(x.abs() < 1e-12 && (y.abs() - 1.0).abs() < 1e-12 && z == 0.0, "{x}, {y}");
+        let opposite = [[0.6, 0.8, 0.0], [-0.6, -0.8, 0.0]];
+        assert_eq!(super::common_direction(&opposite), [0.6, 0.8, 0.0]);
+    }
+
     use super::*;
     use myospring_core::mesh::{built_in, lattice};
 

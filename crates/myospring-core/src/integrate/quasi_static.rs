@@ -274,7 +274,7 @@ impl<'a, const D: usize> Path<'a, D> {
                 Err(Failure::Interrupted) => Some(Failure::Interrupted),
                 Err(failure) => {
                     self.shapes.steps[side] = 0.5 * step;
-                    (shortest || failure == Failure::TooLarge).then_some(failure)
+                    (shortest || matches!(failure, Failure::TooLarge { .. })).then_some(failure)
                 }
             };
             let open = self.branches[side].len() - shown.knots;
@@ -423,7 +423,9 @@ fn ending<const D: usize>(
         Failure::Indefinite | Failure::NoRest if tension == 0.0 => PathError::AtRest { place },
         Failure::Indefinite => PathError::Unstable { tension, beyond, place },
         Failure::NoRest => PathError::Lost { tension, beyond, place },
-        Failure::TooLarge => PathError::TooLarge { masses: body.len() },
+        Failure::TooLarge { bytes } => {
+            PathError::TooLarge { masses: body.len(), gb: bytes as f64 / 1e9 }
+        }
         Failure::Interrupted => PathError::Interrupted,
     }
 }

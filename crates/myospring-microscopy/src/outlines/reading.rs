@@ -1,5 +1,7 @@
 //! Reading outlines of any format, with limits and checks of their position.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::{
     CoordinateUnit, GivenOutlines, MOST_HOLES, MOST_OUTLINES, MOST_POINTS, MOST_POINTS_IN_FILE,
     NamedOutline, OutlineFileError, OutlineFormat, PixelFrame, Placement, Raw, ReadOptions,
@@ -92,9 +94,7 @@ pub fn read_outlines_as(
         return Err(OutlineFileError::Empty { notes });
     }
     check_counts(&raw)?;
-    for raw in &mut raw {
-        shorten(&mut raw.name, &mut notes);
-    }
+    shorten_names(&mut raw, &mut notes);
     let frame = frame_of(&raw, options.placement, &mut notes)?;
     let mut outlines = Vec::with_capacity(raw.len());
     let mut first = None;
@@ -115,16 +115,32 @@ pub fn read_outlines_as(
     Ok(GivenOutlines { outlines, notes })
 }
 
-/// Most letters of a name: those of files in a zip, of columns and of messages have bounds, too.
+/// Most letters of a name: those of files in a zip and of columns have bounds, too.
 const LONGEST_NAME: usize = 200;
 
-/// Cuts a name that is too long, with a note.
-fn shorten(name: &mut String, notes: &mut Vec<String>) {
-    if let Some((end, _)) = name.char_indices().nth(LONGEST_NAME) {
-        let letters = name.chars().count();
-        name.truncate(name[..end].trim_end().len());
+/// Cuts names that are too long, with a note, so that names that differed still do.
+fn shorten_names(outlines: &mut [Raw], notes: &mut Vec<String>) {
+    let (whole, long): (Vec<&mut Raw>, Vec<&mut Raw>) =
+        outlines.iter_mut().partition(|raw| raw.name.chars().count() <= LONGEST_NAME);
+    let count = long.len();
+    let mut taken: BTreeSet<String> = whole.into_iter().map(|raw| raw.name.clone()).collect();
+    let mut cut = BTreeMap::new();
+    for raw in long {
+        let short = cut.entry(raw.name.clone()).or_insert_with_key(|long: &String| {
+            let first = |letters: usize| long.chars().take(letters).collect::<String>();
+            let mut short = first(LONGEST_NAME).trim().to_owned();
+            let mut number = 2;
+            while !taken.insert(short.clone()) {
+                short = format!("{}-{number}", first(LONGEST_NAME - 8).trim());
+                number += 1;
+            }
+            short
+        });
+        raw.name.clone_from(short);
+    }
+    if let Some(name) = cut.into_values().next() {
         notes.push(format!(
-            "the name of an outline has {letters} letters, of which {LONGEST_NAME} are kept: {name}"
+            "names of more than {LONGEST_NAME} letters were cut, {count} in all, such as `{name}`"
         ));
     }
 }

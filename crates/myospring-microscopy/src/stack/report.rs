@@ -139,8 +139,9 @@ impl StackReport {
             );
         }
         if self.cells > 1 && options.choice == Choice::Largest {
+            let whole = if options.allow_cut { "" } else { " that the frame does not cut" };
             self.warnings.push(format!(
-                "{} cells were found, and the largest is taken; state which one you mean if it is another",
+                "{} cells were found, and the largest{whole} is taken; for the second largest state `segmentation.cell = 2`",
                 self.cells
             ));
         }

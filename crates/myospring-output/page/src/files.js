@@ -71,11 +71,10 @@ export class Files {
     this.#builtIn.addEventListener("click", () => {
       this.#input.value = "";
       this.#leave();
-      if (measured.shape !== null) measured.leave();
       form.takeShape({});
     });
-    // A stack is a cell as a picture is.
-    measured.addEventListener("read", () => (this.#builtIn.hidden = measured.shape === null && Object.keys(this.#picture).length === 0));
+    // Like a picture, a stack replaces the built-in cell; the form has taken it by now.
+    measured.addEventListener("read", () => (this.#builtIn.hidden = form.isBuiltIn && Object.keys(this.#picture).length === 0));
     this.#outlines.addEventListener("choose", (event) => this.#change({ "segmentation.cell": /** @type {CustomEvent} */ (event).detail }));
     this.#outlines.addEventListener("edited", () => this.#edit());
     this.#outlines.addEventListener("painted", (event) => this.#trace(/** @type {CustomEvent} */ (event).detail));
@@ -144,7 +143,7 @@ export class Files {
   }
 
   /**
-   * Takes pictures that are not of a cell from above.
+   * Takes a film of beads or a stack of slices.
    *
    * @param {"beads" | "stack"} what
    * @param {string} name
@@ -232,7 +231,10 @@ export class Files {
       const answer = await this.#engine.ask({ ask: "settings", name });
       if (this.#doing.failed(answer) || answer.settings === undefined) return;
       const model = String(answer.settings["cell.model"] ?? "");
-      if (!MODELS.test(model) || (await this.#learn(model))) this.#form.takeSettings(answer.settings, name);
+      if (!MODELS.test(model) || (await this.#learn(model))) {
+        if (this.#measured.shape !== null) this.#measured.leave();
+        this.#form.takeSettings(answer.settings, name);
+      }
       return;
     }
     this.#leave();
@@ -252,8 +254,9 @@ export class Files {
     return true;
   }
 
-  /** The cell is no picture any more. */
+  /** The cell is no picture and no stack any more. */
   #leave() {
+    if (this.#measured.shape !== null) this.#measured.leave();
     this.#picture = {};
     this.#pixelSize.value = "";
     find("allow-cut", HTMLInputElement).checked = false;

@@ -140,9 +140,13 @@ export class Form extends EventTarget {
     return Object.keys(this.#shape).length === 0;
   }
 
-  /** Whether the shape is a stack in depth, which shows its form. */
+  /** The stack in depth that is the shape, and shows its form. */
+  get stack() {
+    return this.#shape["shape.stack"];
+  }
+
   get isStack() {
-    return this.#shape["shape.stack"] !== undefined;
+    return this.stack !== undefined;
   }
 
   /** What differs from the defaults, without the shape of a file. @returns {Kept} */
@@ -179,7 +183,7 @@ export class Form extends EventTarget {
     const words = [...this.#changed].filter(isOwn).map(([key, value]) => (typeof value === "string" && !/\d/.test(value) ? value.replaceAll("_", " ") : `${nameOf(key)} ${value}`));
     words.push(...[...this.#numbers].filter(isOwn).map(([name, value]) => `${name} ${value}`));
     if (dose !== "") words.push(dose);
-    const cell = this.#shape["shape.picture"] ?? this.#shape["shape.outline"];
+    const cell = this.#shape["shape.picture"] ?? this.#shape["shape.outline"] ?? this.#shape["shape.stack"];
     if (this.#title !== "") words.unshift(this.#title);
     else if (cell !== undefined) words.unshift(String(cell));
     return words.length > 0 ? words.join(", ") : "adult ventricular myocyte";
@@ -194,9 +198,12 @@ export class Form extends EventTarget {
   takeShape(shape) {
     this.#shape = shape;
     if (!this.isBuiltIn) this.#changed.delete(SHAPE.key);
-    // A stack shows the form of its cell.
-    const hadForm = this.isStack && ["shape.profile", "material.thickness"].filter((key) => this.#changed.delete(key)).length > 0;
-    if (hadForm) this.#build();
+    // The slices show form and fibres, so what is stated of them is dropped; as is what only other shapes have.
+    const shownBySlices = this.isStack ? ["shape.profile", "material.thickness", "mechanics.helix_angle"] : [];
+    const ofForm = GROUPS.flatMap(([title, rows]) => (title === "Form" ? rows : []));
+    const ofOthers = ofForm.filter(({ when }) => when !== undefined && !when(this)).map(({ key }) => key);
+    const dropped = [...shownBySlices, ...ofOthers].filter((key) => this.#changed.delete(key));
+    if (dropped.length > 0) this.#build();
     this.tell();
   }
 

@@ -52,7 +52,7 @@ export class Pixels {
   }
 
   /**
-   * Draws patches; those that show their backs only of a surface that is cut open, and fully lit.
+   * Draws patches. Backs are drawn only if the surface is cut open, and without shading.
    *
    * @param {Float32Array} points Of each in turn: x, y in px, how near, part of the scale 0 to 1, light 0 to 1, depth: what is below 0
    *   is not drawn.

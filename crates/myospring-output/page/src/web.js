@@ -232,14 +232,16 @@ function setUpMeasured(engine, form, measured) {
   const model = find("fit-model", HTMLSelectElement);
   let reading = 0;
   const read = async () => {
+    // What was asked before has another answer now.
+    if (reading > 0) engine.stop();
     if (measured.shape !== null) {
       measured.open();
       return form.takeShape(measured.shape);
     }
+    // The same file shows something else now.
+    if (form.stack === measured.name) form.takeShape({});
     takeOver.hidden = true;
     pin.hidden = true;
-    // What was asked before has another answer now.
-    if (reading > 0) engine.stop();
     reading += 1;
     const found = await work(engine, measured.question, measured.doing).finally(() => (reading -= 1));
     if (found === null) measured.open();

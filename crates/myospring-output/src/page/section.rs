@@ -2,7 +2,8 @@
 //!
 //! A section is a grid that fits into the surface: stations along it, and on each the same number of points from the lower to the upper
 //! side. The lower and the upper end of a station lie on the drawn surface and move with it, the points between them lie evenly on the
-//! line that joins them. What a point is coloured by is that of the mesh, where the point is at rest.
+//! line that joins them. The value at a point is interpolated from the mesh at
+//! its resting place. Where an upright line leaves the cell and enters it again, as at an overhang or a cavity, the section is drawn closed.
 
 use crate::figure::{Between, cut_surface};
 use crate::surface::{SmoothSurface, unit};

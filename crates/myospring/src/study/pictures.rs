@@ -293,7 +293,7 @@ fn beat(
     row.number("masses", simulation.mesh.len() as f64);
     row.number("springs", simulation.mesh.springs.len() as f64);
     row.number("triangles", simulation.mesh.simplices.len() as f64);
-    row.fibres(&fibres.report());
+    row.fibres(&fibres.report(), picture.is_stack);
     let prepared = simulation.build()?;
     let finished = prepared.run(|_progress| true);
     if matches!(finished.stop, Some(StopReason::Interrupted { .. })) {

@@ -25,7 +25,10 @@ pub(super) enum Failure {
     /// Newton's method does not converge.
     NoRest,
     /// The factors do not fit into memory.
-    TooLarge,
+    TooLarge {
+        /// What they take at least, bytes.
+        bytes: usize,
+    },
     /// It was interrupted.
     Interrupted,
 }
@@ -34,7 +37,7 @@ impl From<FactorError> for Failure {
     fn from(error: FactorError) -> Self {
         match error {
             FactorError::Indefinite => Self::Indefinite,
-            FactorError::TooLarge => Self::TooLarge,
+            FactorError::TooLarge { bytes } => Self::TooLarge { bytes },
             FactorError::Interrupted => Self::Interrupted,
         }
     }

@@ -105,12 +105,14 @@ pub enum PathError {
     },
     /// The matrix does not fit into memory.
     #[error(
-        "the stiffness of {masses} masses cannot be factorised in this machine's memory; use a coarser mesh, or \
-         integrate in time with Verlet's method"
+        "the equilibria of {masses} masses take more than {gb:.2} GB of memory beside what is in use, which cannot \
+         be had; use a coarser mesh, or integrate in time with Verlet's method"
     )]
     TooLarge {
         /// Number of masses.
         masses: usize,
+        /// What it takes at least, GB.
+        gb: f64,
     },
     /// It was interrupted.
     #[error("the search for equilibria was interrupted")]

@@ -134,14 +134,16 @@ impl Stack {
 /// Memory for entries, of which the system makes pages when they are written for the first time.
 fn zeros<T: Clone + Default>(size: usize) -> Result<Vec<T>, FactorError> {
     // `vec!` would end the program if there is not enough.
-    Vec::<T>::new().try_reserve_exact(size).map_err(|_| FactorError::TooLarge)?;
+    let too_large = FactorError::TooLarge { bytes: size.saturating_mul(size_of::<T>()) };
+    Vec::<T>::new().try_reserve_exact(size).map_err(|_| too_large)?;
     Ok(vec![T::default(); size])
 }
 
 /// Makes memory at least so long.
 fn make_longer(memory: &mut Vec<f64>, size: usize) -> Result<(), FactorError> {
     if let Some(more) = size.checked_sub(memory.len()) {
-        memory.try_reserve_exact(more).map_err(|_| FactorError::TooLarge)?;
+        let too_large = FactorError::TooLarge { bytes: size.saturating_mul(size_of::<f64>()) };
+        memory.try_reserve_exact(more).map_err(|_| too_large)?;
         memory.resize(size, 0.0);
     }
     Ok(())
@@ -333,8 +335,12 @@ impl<const D: usize> Factor<D> {
         let Some(fronts) = fronts else { return Ok(()) };
         let elimination = Elimination { stiffness, free, fronts, rooms, interruption };
         match entries {
-            Entries::Whole(entries) => elimination.run(entries),
-            Entries::Rounded(entries) => elimination.run(entries),
+            Entries::Whole(entries) => {
+                elimination.run(entries).map_err(|error| error.beside(size_of_val(&**entries)))
+            }
+            Entries::Rounded(entries) => {
+                elimination.run(entries).map_err(|error| error.beside(size_of_val(&**entries)))
+            }
         }?;
         self.made = true;
         Ok(())

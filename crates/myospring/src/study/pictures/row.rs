@@ -2,6 +2,7 @@
 
 use crate::analysis::summary::Summary;
 use crate::microscopy::cells::{PictureCell, PictureCells};
+use crate::microscopy::stack::StackFibres;
 use crate::output::table::{Column, Table, column_name};
 use crate::settings::{FibreReport, SeenReport, Shaped};
 use crate::study::{Row, Status};
@@ -89,16 +90,18 @@ impl CellRow {
         self.numbers.push((column.into(), value.into()));
     }
 
-    /// Adds what the picture shows of the fibres; empty if the picture was not searched.
-    pub(super) fn fibres(&mut self, report: &FibreReport) {
+    /// Adds what the picture, or the slices of a stack, show of the fibres; empty if they were not searched.
+    pub(super) fn fibres(&mut self, report: &FibreReport, is_stack: bool) {
         let seen = report.seen.as_ref();
         let none_read = report.not_read.as_ref().map(|_| 0.0);
-        if let Some(slices) = &report.slices {
-            let helix = slices.helix.as_ref();
-            self.number("slices_with_fibres", slices.shown() as f64);
+        if is_stack {
+            let slices = report.slices.as_ref();
+            let helix = slices.and_then(|slices| slices.helix.as_ref());
+            let shown = slices.map(|slices| slices.shown() as f64);
+            self.number("slices_with_fibres", shown.or(none_read));
             self.number("fibre_turn_deg", helix.map(|helix| helix.turn_deg));
             self.number("fibre_turn_error_deg", helix.map(|helix| helix.error_deg));
-            self.number("sarcomere_um", slices.sarcomere_um());
+            self.number("sarcomere_um", slices.and_then(StackFibres::sarcomere_um));
             return;
         }
         self.number("fibres_from_picture_pct", seen.map(|seen| seen.read_pct).or(none_read));

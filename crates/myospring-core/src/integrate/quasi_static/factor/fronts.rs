@@ -189,7 +189,7 @@ impl<const D: usize> Fronts<D> {
             let below = front.halves.iter().flatten().map(|&half| fronts[half].work);
             front.work = (rows as f64).powi(2) * columns as f64 + below.sum::<f64>();
             let end = rows.checked_mul(columns).and_then(|size| entries.checked_add(size));
-            front.entries = entries..end.ok_or(FactorError::TooLarge)?;
+            front.entries = entries..end.ok_or(FactorError::TooLarge { bytes: usize::MAX })?;
             entries = front.entries.end;
             for &half in front.halves.iter().flatten() {
                 fronts[half].runs = runs(&fronts[half].border, &front);

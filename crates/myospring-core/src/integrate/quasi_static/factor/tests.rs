@@ -97,6 +97,21 @@ fn check(positions: &Vectors, stiffness: &StiffnessMatrix, free: &Free) {
 }
 
 #[test]
+fn what_no_memory_holds_is_an_error_that_says_how_much_it_is_and_keeps_what_there_was() {
+    let too_many = usize::MAX / 8;
+    let all = super::zeros::<f64>(too_many).unwrap_err();
+    assert_eq!(all, FactorError::TooLarge { bytes: 8 * too_many });
+    let mut stack = Stack::default();
+    stack.push(3).unwrap().fill(1.0);
+    let more = stack.push(too_many - 3).unwrap_err();
+    assert_eq!(more, FactorError::TooLarge { bytes: 8 * too_many });
+    assert_eq!((stack.top, stack.memory), (3, vec![1.0; 3]));
+    let small = FactorError::TooLarge { bytes: 5 };
+    assert_eq!(small.beside(7), FactorError::TooLarge { bytes: 12 });
+    assert_eq!(FactorError::Indefinite.beside(7), FactorError::Indefinite);
+}
+
+#[test]
 fn a_chain_held_at_one_end_stretches_as_springs_in_series() {
     for count in [2, 5, 300] {
         let (positions, stiffness) = chain(count);
