@@ -94,7 +94,7 @@ pub fn read_outlines_as(
         return Err(OutlineFileError::Empty { notes });
     }
     check_counts(&raw)?;
-    shorten_names(&mut raw, &mut notes);
+    settle_names(&mut raw, &mut notes);
     let frame = frame_of(&raw, options.placement, &mut notes)?;
     let mut outlines = Vec::with_capacity(raw.len());
     let mut first = None;
@@ -118,8 +118,14 @@ pub fn read_outlines_as(
 /// Most letters of a name: those of files in a zip and of columns have bounds, too.
 const LONGEST_NAME: usize = 200;
 
-/// Cuts names that are too long, with a note, so that names that differed still do.
-fn shorten_names(outlines: &mut [Raw], notes: &mut Vec<String>) {
+/// Gives outlines without a name their number, and cuts names that are too long, with a note, so that names that differed still do.
+fn settle_names(outlines: &mut [Raw], notes: &mut Vec<String>) {
+    for (raw, number) in outlines.iter_mut().zip(1..) {
+        raw.name = match raw.name.trim() {
+            "" => number.to_string(),
+            name => name.to_owned(),
+        };
+    }
     let (whole, long): (Vec<&mut Raw>, Vec<&mut Raw>) =
         outlines.iter_mut().partition(|raw| raw.name.chars().count() <= LONGEST_NAME);
     let count = long.len();

@@ -7,7 +7,7 @@ import { test } from "node:test";
 import { violationsOn } from "./axe.js";
 import { arrays, beadFilm, outline } from "./gel.js";
 import { COLUMNS, lightFilm, ROWS } from "./light.js";
-import { ended, opened, ran, result, runsOf, shot, tile } from "./opened.js";
+import { ended, opened, ran, result, runsOf, shot, slide, tile } from "./opened.js";
 import { folder, myospring } from "./program.js";
 
 /** @import { Page } from "playwright-core" */
@@ -330,9 +330,22 @@ test("slices in depth are a thick cell, and what the file does not say may be st
     await ran(page, first + 2);
     assert.ok(Math.abs((await thickness()) - 12) < 0.8);
     assert.deepEqual(await violationsOn(page), []);
-    await page.getByRole("button", { name: "Built-in cell" }).click();
+    // A turn is of thick cells alone: the flat one that follows beats without it.
+    await slide(page, "turn of the fibres", "PageUp");
     await ran(page, first + 3);
+    const builtIn = page.getByRole("button", { name: "Built-in cell" });
+    await builtIn.click();
+    await ran(page, first + 4);
+    assert.equal(await page.isVisible("#failure"), false);
     assert.equal(await page.isVisible("#measured"), false);
+    assert.equal(await builtIn.isVisible(), false);
+    // Slices that are not one cell in depth after all are no cell of the form any more.
+    await page.locator("#file").setInputFiles(join(folder, "depth.tif"));
+    await fillIn(page, "Size of a pixel, \u00b5m", "0.5");
+    await ran(page, first + 5);
+    assert.equal(await builtIn.isVisible(), true);
+    await page.locator("#measured").getByLabel("It shows").selectOption("a cell");
+    await builtIn.waitFor({ state: "hidden" });
   });
 });
 

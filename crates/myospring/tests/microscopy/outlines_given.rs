@@ -376,6 +376,16 @@ fn every_polygon_is_a_cell_with_a_name() {
 }
 
 #[test]
+fn an_outline_whose_name_is_empty_has_its_number() {
+    // Found among damaged files: an entry of a zip without a name.
+    let roi = write_roi(&NamedOutline { name: String::new(), ..two_cells().remove(0) }, &frame());
+    let given = read(&zipped(&["a.roi", "", " .roi"].map(|name| (name, roi.clone())))).unwrap();
+    assert_eq!(names(&given.outlines), ["a", "2", "3"]);
+    let again = read(write_geojson(&given.outlines).as_bytes()).unwrap();
+    assert_eq!(again.outlines, given.outlines);
+}
+
+#[test]
 fn names_that_are_too_long_for_a_zip_are_cut() {
     // Found among damaged files: a name may take 64 kB of a zip at most.
     let long = "β".repeat(70_000);
