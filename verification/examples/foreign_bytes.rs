@@ -234,9 +234,9 @@ fn readers() -> Vec<Reader> {
             name: "curve",
             seeds: beginnings(&files(&examples.join("tutorial"), ".csv")),
             read: |bytes| {
-                for name in ["curve.csv", "curve.txt"] {
-                    drop(read_bytes(name, bytes, &TableOptions::default()));
-                }
+                // The name counts where columns have none.
+                let name = ["curve.csv", "sarcomere_length.txt"][bytes.len() % 2];
+                drop(read_bytes(name, bytes, &TableOptions::default()));
             },
         },
         Reader {

@@ -107,7 +107,8 @@ def killed(command, kills, takes_s, found):
     while times < kills:
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
-            process.wait(found.uniform(0, 2 * takes_s / kills))
+            # Half of the time on average, so that it is not done before the last kill.
+            process.wait(found.uniform(0, takes_s / kills))
             break
         except subprocess.TimeoutExpired:
             process.send_signal(signal.SIGKILL)

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{self, DirEntry, File};
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -35,8 +35,8 @@ struct Entry<R> {
 /// Each line ends with a checksum of the line and the settings. A damaged line, or one of another
 /// study, is ignored: its member is computed again ([`Journal::damaged`]).
 ///
-/// Rows stay on disk; memory holds only the name of each finished member and the position of its
-/// line.
+/// Rows stay on disk; memory holds only a hash of the name of each finished member and the position
+/// of its line.
 pub struct Journal<M: Member> {
     state: Mutex<State<M::Row>>,
 }
@@ -49,7 +49,8 @@ enum State<R> {
 struct OnDisk {
     path: PathBuf,
     file: File,
-    lines: BTreeMap<Box<str>, Line>,
+    /// By the digest of the member's name, which takes less memory than the name.
+    lines: BTreeMap<u64, Line>,
     /// Hash of the settings, the first input of each checksum.
     settings: String,
     damaged: usize,
@@ -65,15 +66,21 @@ struct Done<R> {
 /// Line of a finished member.
 #[derive(Debug, Clone, Copy)]
 struct Line {
-    /// Short hash of the hash of its input, enough to detect a changed input.
-    input: u64,
     start: u64,
     length: u32,
+    /// Short hash of the hash of its input, enough to detect a changed input.
+    input: u32,
 }
 
-fn digest(sha256: &str) -> u64 {
+impl Line {
+    fn is_of(self, key: &str) -> bool {
+        self.input == digest(key) as u32
+    }
+}
+
+fn digest(text: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
-    sha256.hash(&mut hasher);
+    text.hash(&mut hasher);
     hasher.finish()
 }
 
@@ -215,7 +222,8 @@ impl<M: Member> Journal<M> {
     {
         if let State::OnDisk(journal) = &mut *self.state() {
             for member in members {
-                journal.damaged += usize::from(journal.lines.remove(member.name()).is_some());
+                journal.damaged +=
+                    usize::from(journal.lines.remove(&digest(member.name())).is_some());
             }
         }
     }
@@ -226,7 +234,8 @@ impl<M: Member> Journal<M> {
         match &*self.state() {
             State::InMemory(_) => 0,
             State::OnDisk(journal) => {
-                left.iter().filter(|member| journal.lines.contains_key(member.name())).count()
+                let has = |member: &&&M| journal.lines.contains_key(&digest(member.name()));
+                left.iter().filter(has).count()
             }
         }
     }
@@ -239,8 +248,8 @@ impl<M: Member> Journal<M> {
                 .get(member.name())
                 .is_some_and(|entry| member.key().is_some_and(|key| key == entry.sha256)),
             State::OnDisk(OnDisk { lines, .. }) => lines
-                .get(member.name())
-                .is_some_and(|line| member.key().is_some_and(|key| digest(&key) == line.input)),
+                .get(&digest(member.name()))
+                .is_some_and(|line| member.key().is_some_and(|key| line.is_of(&key))),
         };
         members.iter().filter(|member| !unchanged(member)).collect()
     }
@@ -293,7 +302,8 @@ impl<M: Member> Journal<M> {
                 let mut here =
                     reader.stream_position().map_err(|source| unwritten(path, source))?;
                 let mut bytes = Vec::new();
-                for line in members.iter().filter_map(|member| lines.get(member.name())) {
+                for member in members {
+                    let Some(line) = lines.get(&digest(member.name())) else { continue };
                     bytes.resize(line.length as usize, 0);
                     // Members that follow one another in the study mostly do so in the journal.
                     reader
@@ -301,7 +311,13 @@ impl<M: Member> Journal<M> {
                         .and_then(|()| reader.read_exact(&mut bytes))
                         .map_err(|source| unwritten(path, source))?;
                     here = line.start + u64::from(line.length);
-                    rows.extend(serde_json::from_slice::<Entry<M::Row>>(&bytes)?.rows);
+                    let entry = serde_json::from_slice::<Entry<M::Row>>(&bytes)?;
+                    if entry.name.get(M::KIND).is_none_or(|name| name != member.name()) {
+                        let cause =
+                            format!("another {} is in the place of {}", M::KIND, member.name());
+                        return Err(unwritten(path, io::Error::new(ErrorKind::InvalidData, cause)));
+                    }
+                    rows.extend(entry.rows);
                 }
             }
         }
@@ -383,9 +399,9 @@ fn named<M: Member>(mut entry: Entry<M::Row>) -> Option<(String, Done<M::Row>)> 
     Some((entry.name.remove(M::KIND)?, done))
 }
 
-/// Returns the name and position of an entry if it belongs to a member of this kind.
-fn placed<M: Member>(entry: &Entry<M::Row>, start: u64, length: usize) -> Option<(Box<str>, Line)> {
-    let name = entry.name.get(M::KIND)?.as_str().into();
+/// Returns the digest of the name and the position of an entry if it belongs to a member of this kind.
+fn placed<M: Member>(entry: &Entry<M::Row>, start: u64, length: usize) -> Option<(u64, Line)> {
+    let name = digest(entry.name.get(M::KIND)?);
     let length = u32::try_from(length).ok()?;
-    Some((name, Line { input: digest(&entry.sha256), start, length }))
+    Some((name, Line { start, length, input: digest(&entry.sha256) as u32 }))
 }
