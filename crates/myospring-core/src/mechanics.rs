@@ -48,4 +48,4 @@ pub use force::{Configuration, Force};
 pub use system::System;
 pub use tension::{Following, Tension};
 pub use vectors::{Vectors, zeros};
-pub(crate) use vectors::{add_scaled, largest, product};
+pub(crate) use vectors::{add_scaled, largest, product, sum};

@@ -18,10 +18,10 @@ const SAME_ROW: f64 = 1e-9;
 pub struct ShapeMeter {
     reference: [Vec<f64>; 2],
     axis: [f64; 2],
-    /// Weights of the points in the rotation of the axis along which the length is measured.
-    turned_by: Vec<f64>,
-    /// Weights for the width, if they differ.
-    across: Option<Vec<f64>>,
+    /// The rotation of the axis along which the length is measured.
+    turn: Turn,
+    /// That for the width, if it differs.
+    across: Option<Turn>,
     length: Span,
     width: Span,
 }
@@ -35,6 +35,42 @@ pub struct Extent {
     /// Width across the long axis, um: at rest the largest extent, scaled by the distance between
     /// the means of both sides.
     pub width: f64,
+}
+
+/// The points by which a rotation is measured.
+#[derive(Debug, Clone, PartialEq)]
+struct Turn {
+    /// Weight times distance from the mean of all points at rest, by axis.
+    arms: [Vec<f64>; 2],
+    /// Sum of the weighted squares of the distances.
+    square: f64,
+}
+
+impl Turn {
+    fn new(reference: &[Vec<f64>; 2], weights: &[f64]) -> Self {
+        let total: f64 = weights.iter().sum();
+        let (mut arms, mut square) = ([const { Vec::new() }; 2], 0.0);
+        for (arms, points) in arms.iter_mut().zip(reference) {
+            let weighted = |(x, weight): (&f64, &f64)| x * weight;
+            let mean = points.iter().zip(weights).map(weighted).sum::<f64>() / total;
+            arms.extend(points.iter().zip(weights).map(|(x, weight)| weight * (x - mean)));
+            square += arms.iter().zip(points).map(|(arm, x)| arm * (x - mean)).sum::<f64>();
+        }
+        Self { arms, square }
+    }
+
+    /// The angle of the least squares `tan = sum w (r x p) / sum w (r . p)`, with the distances `r` and `p` from the mean at rest and now.
+    /// Since all `w r` add up to 0, displacements take the place of `p`: points that have not moved are not turned, to the last bit.
+    fn angle(&self, reference: &[Vec<f64>; 2], positions: &[Vec<f64>; 2]) -> f64 {
+        let [x, y] = [0, 1].map(|axis| positions[axis].iter().zip(&reference[axis]));
+        let (mut cosine, mut sine) = (self.square, 0.0);
+        for ((a, b), ((x, x0), (y, y0))) in self.arms[0].iter().zip(&self.arms[1]).zip(x.zip(y)) {
+            let [dx, dy] = [x - x0, y - y0];
+            cosine += a * dx + b * dy;
+            sine += a * dy - b * dx;
+        }
+        sine.atan2(cosine)
+    }
 }
 
 /// An extent that is scaled by the distance between the means of two caps.
@@ -109,21 +145,24 @@ impl ShapeMeter {
         let across = [-axis[1], axis[0]];
         let length = Span::new(&reference, &weights, axis, end_points(&reference, axis));
         let width = Span::new(&reference, &weights, across, sides(&reference, &weights, across));
-        Self { reference, axis, turned_by: weights, across: None, length, width }
+        let turn = Turn::new(&reference, &weights);
+        Self { reference, axis, turn, across: None, length, width }
     }
 
     /// Sets other weights for the rotation, for instance those of points held by a clamp.
     #[must_use]
-    pub fn turned_by(self, weights: Vec<f64>) -> Self {
-        Self { turned_by: weights, ..self }
+    pub fn turned_by(mut self, weights: &[f64]) -> Self {
+        self.turn = Turn::new(&self.reference, weights);
+        self
     }
 
     /// Measures the width across an axis that turns with the points of these weights, while the
     /// length is still measured along the axis of the meter's own rotation: for a cell that is held
     /// at one end and swings aside.
     #[must_use]
-    pub fn width_turned_by(self, weights: Vec<f64>) -> Self {
-        Self { across: Some(weights), ..self }
+    pub fn width_turned_by(mut self, weights: &[f64]) -> Self {
+        self.across = Some(Turn::new(&self.reference, weights));
+        self
     }
 
     /// Sets the depths, um, to which the lower and the upper end are within clamps (0 for a free
@@ -149,23 +188,7 @@ impl ShapeMeter {
     /// Angle by which the points have turned, rad, counter-clockwise: the rotation that brings the
     /// reference closest to them by weighted least squares.
     pub fn rotation(&self, positions: &[Vec<f64>; 2]) -> f64 {
-        self.rotation_of(positions, &self.turned_by)
-    }
-
-    fn rotation_of(&self, positions: &[Vec<f64>; 2], weights: &[f64]) -> f64 {
-        let total: f64 = weights.iter().sum();
-        let mean =
-            |values: &[f64]| values.iter().zip(weights).map(|(x, w)| x * w).sum::<f64>() / total;
-        let before = [0, 1].map(|axis| mean(&self.reference[axis]));
-        let after = [0, 1].map(|axis| mean(&positions[axis]));
-        let (mut cosine, mut sine) = (0.0, 0.0);
-        for (i, weight) in weights.iter().enumerate() {
-            let old = [0, 1].map(|axis| self.reference[axis][i] - before[axis]);
-            let new = [0, 1].map(|axis| positions[axis][i] - after[axis]);
-            cosine += weight * (old[0] * new[0] + old[1] * new[1]);
-            sine += weight * (old[0] * new[1] - old[1] * new[0]);
-        }
-        sine.atan2(cosine)
+        self.turn.angle(&self.reference, positions)
     }
 
     /// Length and width now, um.
@@ -178,7 +201,7 @@ impl ShapeMeter {
         let along = turned(self.rotation(positions));
         let across = match &self.across {
             None => along,
-            Some(weights) => turned(self.rotation_of(positions, weights)),
+            Some(turn) => turned(turn.angle(&self.reference, positions)),
         };
         let length = self.length.now(positions, along);
         Extent { length, width: self.width.now(positions, [-across[1], across[0]]) }
@@ -366,8 +389,8 @@ mod tests {
     #[test]
     fn a_bar_that_swings_about_its_end_keeps_its_width() {
         let bar = [vec![0.0, 10.0, 10.0, 0.0], vec![0.0, 0.0, 2.0, 2.0]];
-        let held = ShapeMeter::new(bar.clone(), [1.0, 0.0], vec![1.0; 4])
-            .turned_by(vec![1.0, 0.0, 0.0, 1.0]);
+        let held =
+            ShapeMeter::new(bar.clone(), [1.0, 0.0], vec![1.0; 4]).turned_by(&[1.0, 0.0, 0.0, 1.0]);
         let (sine, cosine) = 0.1_f64.sin_cos();
         let mut swung = bar.clone();
         for i in [1, 2] {
@@ -375,7 +398,7 @@ mod tests {
             swung[1][i] = 10.0 * sine + cosine * bar[1][i];
         }
         let before = held.measure(&swung);
-        let now = held.width_turned_by(vec![1.0; 4]).measure(&swung);
+        let now = held.width_turned_by(&[1.0; 4]).measure(&swung);
         // The held end has not turned: the swung one lies askew to its axis, so half of the width counts by its cosine.
         assert!((before.width - (1.0 + cosine)).abs() < 1e-12);
         assert!((now.width - 2.0).abs() < 0.02, "{now:?}");

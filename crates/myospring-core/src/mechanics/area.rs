@@ -17,7 +17,7 @@ use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
 use super::stiffness::StiffnessMatrix;
-use super::vectors::Vectors;
+use super::vectors::{Vectors, sum};
 use crate::mesh::Mesh;
 use crate::mesh::simplex::measure_at;
 use serde::Serialize;
@@ -150,7 +150,7 @@ impl Force for AreaPreservation {
                 measure_at(at.positions, self.nodes[triangle]) - self.rest_area[triangle];
             0.5 * self.stiffness[triangle] * deviation * deviation
         };
-        Some((0..self.nodes.len()).map(one).sum())
+        Some(sum(self.nodes.len(), one))
     }
 
     fn add_stiffness(&self, at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {

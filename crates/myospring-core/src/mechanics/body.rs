@@ -2,7 +2,7 @@
 
 use super::force::Configuration;
 use super::tension::Tension;
-use super::vectors::{Vectors, zeros};
+use super::vectors::{Vectors, sum, zeros};
 use crate::mesh::Mesh;
 
 /// Moving point masses.
@@ -40,25 +40,31 @@ impl<const D: usize> Body<D> {
     /// Kinetic energy, fJ: sum of m v^2 / 2.
     pub fn kinetic_energy(&self) -> f64 {
         let square = |node: usize| self.velocities.iter().map(|v| v[node] * v[node]).sum::<f64>();
-        self.masses.iter().enumerate().map(|(node, mass)| 0.5 * mass * square(node)).sum()
+        sum(self.len(), |node| 0.5 * self.masses[node] * square(node))
     }
 
     /// Mass centre, um: sum of m x over sum of m.
     pub fn mass_centre(&self) -> [f64; D] {
-        let total: f64 = self.masses.iter().sum();
-        std::array::from_fn(|axis| dot(&self.masses, &self.positions[axis]) / total)
+        let total = sum(self.len(), |node| self.masses[node]);
+        std::array::from_fn(|axis| {
+            let at = &self.positions[axis];
+            sum(self.len(), |node| self.masses[node] * at[node]) / total
+        })
     }
 
     /// Linear momentum, ug um/ms: sum of m v.
     pub fn momentum(&self) -> [f64; D] {
-        std::array::from_fn(|axis| dot(&self.masses, &self.velocities[axis]))
+        std::array::from_fn(|axis| {
+            let velocity = &self.velocities[axis];
+            sum(self.len(), |node| self.masses[node] * velocity[node])
+        })
     }
 
     /// Angular momentum about the origin in the plane of two axes, ug um^2/ms: sum of m (`x v_y` - `y v_x`).
     pub fn angular_momentum_in(&self, plane: [usize; 2]) -> f64 {
         let ([x, y], [vx, vy]) =
             (plane.map(|axis| &self.positions[axis]), plane.map(|axis| &self.velocities[axis]));
-        (0..self.len()).map(|i| self.masses[i] * (x[i] * vy[i] - y[i] * vx[i])).sum()
+        sum(self.len(), |i| self.masses[i] * (x[i] * vy[i] - y[i] * vx[i]))
     }
 
     /// The configuration at which forces are evaluated, under an active tension (a number is a
@@ -77,8 +83,4 @@ impl Body {
     pub fn angular_momentum(&self) -> f64 {
         self.angular_momentum_in([0, 1])
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

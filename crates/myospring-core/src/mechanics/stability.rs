@@ -13,7 +13,7 @@
 //! [`super::Force`]. The drag is treated implicitly and has no influence.
 
 use super::support::Support;
-use super::{Body, Configuration, System, Tension, Vectors, zeros};
+use super::{Body, Configuration, System, Tension, Vectors, sum, zeros};
 use crate::interruption::{Interrupted, Interruption};
 use std::array::from_fn;
 
@@ -142,9 +142,7 @@ fn largest_eigenvalue<const D: usize>(
 ) -> Result<(f64, Vectors<D>), Interrupted> {
     let count = masses.len();
     let inner = |a: &Vectors<D>, b: &Vectors<D>| -> f64 {
-        (0..D)
-            .map(|axis| (0..count).map(|i| masses[i] * a[axis][i] * b[axis][i]).sum::<f64>())
-            .sum()
+        (0..D).map(|axis| sum(count, |i| masses[i] * a[axis][i] * b[axis][i])).sum()
     };
     let scale = |v: &mut Vectors<D>, by: f64| v.iter_mut().flatten().for_each(|x| *x *= by);
     // A fixed, irregular start: fractional parts of multiples of the golden ratio.

@@ -8,6 +8,20 @@ pub fn zeros<const D: usize>(count: usize) -> Vectors<D> {
     std::array::from_fn(|_| vec![0.0; count])
 }
 
+/// The sum of `count` terms. Several sums are made side by side, since each addition waits for the one before it.
+#[inline]
+pub(crate) fn sum(count: usize, term: impl Fn(usize) -> f64) -> f64 {
+    const BESIDE: usize = 8;
+    let mut sums = [0.0; BESIDE];
+    let whole = count - count % BESIDE;
+    for first in (0..whole).step_by(BESIDE) {
+        for (beside, sum) in sums.iter_mut().enumerate() {
+            *sum += term(first + beside);
+        }
+    }
+    (whole..count).map(term).sum::<f64>() + sums.iter().sum::<f64>()
+}
+
 /// Scalar product of the vectors of all nodes.
 pub(crate) fn product<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()

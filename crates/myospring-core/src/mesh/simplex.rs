@@ -32,7 +32,8 @@ pub fn measure_at<const D: usize, const N: usize>(
     measure_of::<D, N>(|corner, axis| positions[axis][nodes[corner] as usize])
 }
 
-#[inline]
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "belongs to sums over all simplices")]
 fn measure_of<const D: usize, const N: usize>(at: impl Fn(usize, usize) -> f64) -> f64 {
     const { assert!(N == D + 1 && (D == 2 || D == 3), "triangles and tetrahedra") };
     let edge = |k: usize, axis: usize| at(k, axis) - at(0, axis);

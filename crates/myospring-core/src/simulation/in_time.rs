@@ -2,7 +2,7 @@
 
 use super::coupler::Shaping;
 use super::course::{Observable, Observed};
-use super::fault::fault;
+use super::fault::Watch;
 use super::held::Held;
 use super::observer::{Progress, RunObserver, Samples};
 use super::outcome::{Effort, Outcome};
@@ -160,6 +160,7 @@ struct InTime<'a, const D: usize, const N: usize> {
     steps: usize,
     ledger: Ledger<D>,
     marked: Option<Ledger<D>>,
+    watch: Watch<D>,
 }
 
 impl<'a, const D: usize, const N: usize> InTime<'a, D, N>
@@ -169,7 +170,7 @@ where
     /// A motion with a number of steps in each exchange interval.
     fn new(setup: &'a Setup<D, N>, stepper: Box<dyn Stepper<D> + 'a>, steps: usize) -> Self {
         let ledger = Ledger::new(stepper.body(), Held::of(setup.activation.tension()));
-        Self { setup, stepper, steps, ledger, marked: None }
+        Self { setup, stepper, steps, ledger, marked: None, watch: Watch::new() }
     }
 
     /// Advances by an exchange interval, in parts if it takes long, so that it can be interrupted.
@@ -228,7 +229,8 @@ where
         let tension = self.now(tensions[1]);
         let body = self.stepper.body();
         let average = tension.average(&self.setup.volumes);
-        if let Some(reason) = fault(simulation.body_mesh(), &body.positions, time, average) {
+        let mesh = simulation.body_mesh();
+        if let Some(reason) = self.watch.fault(mesh, &body.positions, time, average) {
             return Err(reason);
         }
         let system = &self.setup.assembly.system;

@@ -433,9 +433,9 @@ impl Simulation {
                 for &node in nodes {
                     held[node] = 1.0;
                 }
-                let meter = meter.turned_by(held).gripped(gripped);
+                let meter = meter.turned_by(&held).gripped(gripped);
                 if self.support == SupportKind::ClampedEnd {
-                    meter.width_turned_by(areas)
+                    meter.width_turned_by(&areas)
                 } else {
                     meter
                 }

@@ -216,14 +216,15 @@ test("a fit takes a table of the force on a gel, with the modulus of that gel", 
 
 test("memory stays flat over many runs", async () => {
   const { ask, size } = await engine();
-  const runs = process.env.MYOSPRING_ALL_CASES ? 10_000 : 200;
+  const all = process.env.MYOSPRING_ALL_CASES !== undefined;
   const coarse = { "shape.spacing": "5 um" };
   const many = (/** @type {number} */ from, /** @type {number} */ to) => {
     for (let tension = from; tension < to; tension++) pageOf(ask(run({ ...coarse, "cell.peak_tension": `${20 + (tension % 40)} kPa` })));
   };
-  // The allocator settles in some 200 runs: it once takes six pages of 64 kB more.
+  // The allocator settles in some 200 runs. Once more, seen after 4400 of 30 000 runs, it takes six pages of 64 kB.
   many(0, 200);
   const before = size();
-  many(200, 200 + runs);
-  assert.equal(size(), before);
+  many(200, 200 + (all ? 10_000 : 200));
+  const most = all ? 6 : 0;
+  assert.ok(size() - before <= most * 65536, `${before} became ${size()} bytes`);
 });
