@@ -438,6 +438,30 @@ fn columns_of_one_name_are_told_apart_and_said() {
     assert!(notes.iter().any(|note| note.contains(said)), "{notes:?}");
 }
 
+#[test]
+fn a_line_that_is_much_longer_than_thousands_of_others_is_refused() {
+    let long = |name: &str| (0..5000).map(|at| format!("{name}{at}")).collect::<Vec<_>>().join(",");
+    let short = "1,2\n".repeat(5000);
+    for (text, said) in [
+        // Both were read as a table whose rows are curves: 25 million fields.
+        (
+            format!("{}\n{short}", long("f")),
+            "the line of names has 5000 fields, but 5000 lines have 2.0 on average",
+        ),
+        (
+            format!("time (ms),length (um)\n{}\n{short}", "0,".repeat(5000)),
+            "line 2, column `3`: \"0\" is one field too many",
+        ),
+        (
+            format!("{short}{}\n", long("cell ")),
+            "line 5001 has 5000 fields, but 5001 lines have 3.0 on average",
+        ),
+    ] {
+        let error = error(&text, &NONE());
+        assert!(error.contains(said), "{error}");
+    }
+}
+
 /// Twice the columns take twice the time; a machine that does other work may need four times as long.
 #[test]
 fn the_time_to_read_a_table_grows_with_its_columns() {

@@ -13,6 +13,10 @@ use std::path::Path;
 /// Smallest number of columns with which each row of a table without names can be a curve.
 pub(super) const MANY: usize = 16;
 
+/// Rows times columns of a table that may have any gaps, and how many times as many as fields larger ones may have.
+const LARGE: usize = 1_000_000;
+const SPARSE: usize = 8;
+
 /// Largest number of names that an error lists.
 const LISTED: usize = 5;
 
@@ -78,6 +82,7 @@ impl<'a> Picked<'a> {
 
     /// Reads the curves.
     pub(super) fn table(mut self) -> Result<Table, ReadError> {
+        self.check_shape()?;
         self.orient();
         self.check_width()?;
         self.sheet.note_names();
@@ -102,6 +107,25 @@ impl<'a> Picked<'a> {
         let part = |curve: Curve| curve.part(from, until).map_err(|cause| self.error(cause));
         let curves = curves.into_iter().map(part).collect::<Result<_, _>>()?;
         Ok(Table { curves, notes: self.notes })
+    }
+
+    /// Refuses a large table of which nearly all fields are missing, since one line is much longer than the others: every row is read in
+    /// every column.
+    fn check_shape(&self) -> Result<(), ReadError> {
+        let (rows, width) = (self.sheet.rows.len(), self.sheet.width());
+        let fields: usize = self.sheet.rows.iter().map(|row| row.fields.len()).sum();
+        let there = fields + self.sheet.header.len();
+        if rows.saturating_mul(width) <= LARGE + SPARSE * there {
+            return Ok(());
+        }
+        self.check_width()?;
+        let longest = self.sheet.rows.iter().find(|row| row.fields.len() == width);
+        let longest =
+            longest.map_or("the line of names".to_owned(), |row| format!("line {}", row.line));
+        Err(self.error(format!(
+            "{longest} has {width} fields, but {rows} lines have {:.1} on average: correct it, or put it into a file of its own",
+            fields as f64 / rows as f64
+        )))
     }
 
     /// Refuses a number beyond the last column: the other fields of its row may then be in the
