@@ -1,10 +1,11 @@
 """Workers of Dask and ranks of MPI, killed at random moments: the study has the bits of one that nobody disturbed.
 
-usage: killed_workers.py [ROUNDS] [SEED]
+usage: killed_workers.py [ROUNDS] [SEED] [CELLS]
 
 In each round of Dask (20 unless stated) a study of beats on two workers loses one at a random moment, whose work the other one and the
 new one do. MPI ends all ranks where one dies: the same command then goes on, on as many ranks, from the batches that were kept; it is
-killed again until the study is done. Needs `distributed`, and `mpi4py` with `mpiexec`; what is not there is skipped, and said.
+killed again until the study is done. At last a study of so many cells (none unless stated) by one and two threads and workers of Dask, and by
+two workers of which one is killed ten times. Needs `distributed`, and `mpi4py` with `mpiexec`; what is not there is skipped, and said.
 """
 
 import os
@@ -19,6 +20,7 @@ import threading
 import time
 
 import myospring
+from killed_campaign import STUDY as CELLS
 
 STUDY = """
 metrics = ["peak_shortening", "active_work"]
@@ -81,6 +83,53 @@ def dask(rounds, found, folder, serial, seconds):
     print(f"Dask: {rounds} rounds, {lost} workers killed, all with the bits of one thread")
 
 
+def many_cells(cells, found, folder):
+    """A long study: the seconds by one and two threads and workers, and by two workers of which one is killed again and again."""
+    from distributed import Client, LocalCluster
+
+    kills = 10
+    text = CELLS.format(cells=cells)
+
+    def timed(name, **how):
+        start = time.monotonic()
+        myospring.run_study(text, output=folder / name, **how)
+        seconds = time.monotonic() - start
+        assert table(folder / name) == table(folder / "thread1"), name
+        return seconds
+
+    def by_workers(name, workers, within=None):
+        """Within a time workers are killed."""
+        options = {"dashboard_address": None, "local_directory": folder}
+        with (
+            LocalCluster(n_workers=workers, threads_per_worker=1, **options) as cluster,
+            Client(cluster) as client,
+        ):
+            client.wait_for_workers(workers)
+            over, killed = threading.Event(), []
+
+            def kill():
+                while within and len(killed) < kills and not over.wait(found.uniform(0, within / kills)):
+                    if alive := [nanny.pid for nanny in cluster.workers.values() if nanny.pid]:
+                        os.kill(found.choice(alive), signal.SIGKILL)
+                        killed.append(1)
+
+            thread = threading.Thread(target=kill)
+            thread.start()
+            # A piece of work that was on several workers as they were killed is to be tried once more.
+            seconds = timed(name, executor=client.get_executor(pure=False), tries=kills)
+            over.set()
+            thread.join()
+        return seconds, len(killed)
+
+    for threads in (1, 2):
+        print(f"{cells} cells: {timed(f'thread{threads}', threads=threads):.0f} s by {threads} threads", flush=True)
+    for workers in (1, 2):
+        seconds, _ = by_workers(f"worker{workers}", workers)
+        print(f"{cells} cells: {seconds:.0f} s by {workers} workers of Dask", flush=True)
+    seconds, killed = by_workers("killed", 2, within=seconds)
+    print(f"{cells} cells: {seconds:.0f} s by 2 workers of Dask, of which one was killed {killed} times; all tables are the same")
+
+
 def mpi(rounds, found, folder, seconds):
     mpiexec = shutil.which("mpiexec", path=pathlib.Path(sys.executable).parent) or shutil.which("mpiexec")
     if mpiexec is None:
@@ -131,6 +180,7 @@ def table(folder):
 if __name__ == "__main__":
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 20
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else os.getpid()
+    cells = int(sys.argv[3]) if len(sys.argv) > 3 else 0
     print(f"seed {seed}", flush=True)
     found = random.Random(seed)
     with tempfile.TemporaryDirectory() as name:
@@ -148,3 +198,5 @@ if __name__ == "__main__":
                 print(f"{package} skipped: {error}")
             else:
                 work()
+        if cells:
+            many_cells(cells, found, folder)

@@ -147,7 +147,13 @@ impl Options {
                     let seed = value()?.parse();
                     options.seed = seed.map_err(|_| format!("--seed takes a number\n\n{HELP}"))?;
                 }
-                "--program" => options.program = Some(value()?.into()),
+                "--program" => {
+                    let path = value()?;
+                    // Works are done in folders of their own.
+                    let found = std::path::absolute(&path).ok().filter(|path| path.is_file());
+                    options.program =
+                        Some(found.ok_or_else(|| format!("--program {path}: no such file"))?);
+                }
                 other => return Err(format!("there is no option `{other}`\n\n{HELP}")),
             }
         }

@@ -213,8 +213,8 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: bool, const PURPOSE: u8>(
         let carried = [carried(0), carried(1), carried(lag - 1)];
         let anchored = !plan.anchors.is_empty();
         let mut before = [zero; 4];
-        for block in row.blocks {
-            let class = plan.classes[row.index * plan.blocks + block];
+        let classes = &plan.classes[row.index * plan.blocks..][row.blocks.clone()];
+        for (block, &class) in row.blocks.zip(classes) {
             if row.fetch {
                 fetch_next(plan, row.index, block, row.lower);
             }

@@ -115,8 +115,8 @@ pub(super) unsafe fn pass<L: Lanes, const LAWS: bool, const PURPOSE: u8>(
         let above = row.lower.cast_const().add(plan.row_len);
         let [bx, by, cx, cy] = row.left.map(|value| L::splat(value));
         let mut before = ([bx, by], [cx, cy]);
-        for block in row.blocks {
-            let class = plan.classes[row.index * plan.blocks + block];
+        let classes = &plan.classes[row.index * plan.blocks..][row.blocks.clone()];
+        for (block, &class) in row.blocks.zip(classes) {
             if row.fetch {
                 fetch_next(plan, row.index, block, row.lower);
             }
