@@ -91,7 +91,7 @@ fn cell(spacing: Option<f64>) -> Result<[f64; 2], Failure> {
     let shape = contracted(&mesh, &straight, [1.0, 0.0])?;
     let along = right_stretch(affine(&mesh.points, &shape).0)[0];
     let axis = quality::long_axis(&mesh);
-    let meter = ShapeMeter::new(mesh.points.clone(), axis, mesh.areas.clone());
+    let meter = ShapeMeter::new(mesh.points.clone(), axis, &mesh.areas);
     let shape = contracted(&mesh, &winding(&mesh), axis)?;
     let stretch = meter.measure(&shape).length / meter.measure(&mesh.points).length;
     Ok([1.0 - along, 1.0 - stretch].map(|part| 100.0 * part))

@@ -150,7 +150,7 @@ impl Options {
                 "--program" => {
                     let path = value()?;
                     // Works are done in folders of their own.
-                    let found = std::path::absolute(&path).ok().filter(|path| path.is_file());
+                    let found = std::path::absolute(path).ok().filter(|path| path.is_file());
                     options.program =
                         Some(found.ok_or_else(|| format!("--program {path}: no such file"))?);
                 }

@@ -135,17 +135,17 @@ impl ShapeMeter {
     /// ```
     /// use myospring::analysis::shape::ShapeMeter;
     /// let square = [vec![0.0, 2.0, 2.0, 0.0], vec![0.0, 0.0, 1.0, 1.0]];
-    /// let meter = ShapeMeter::new(square, [1.0, 0.0], vec![1.0; 4]);
+    /// let meter = ShapeMeter::new(square, [1.0, 0.0], &[1.0; 4]);
     /// // A quarter turn changes neither length nor width.
     /// let turned = [vec![0.0, 0.0, -1.0, -1.0], vec![0.0, 2.0, 2.0, 0.0]];
     /// let extent = meter.measure(&turned);
     /// assert!((extent.length - 2.0).abs() < 1e-12 && (extent.width - 1.0).abs() < 1e-12);
     /// ```
-    pub fn new(reference: [Vec<f64>; 2], axis: [f64; 2], weights: Vec<f64>) -> Self {
+    pub fn new(reference: [Vec<f64>; 2], axis: [f64; 2], weights: &[f64]) -> Self {
         let across = [-axis[1], axis[0]];
-        let length = Span::new(&reference, &weights, axis, end_points(&reference, axis));
-        let width = Span::new(&reference, &weights, across, sides(&reference, &weights, across));
-        let turn = Turn::new(&reference, &weights);
+        let length = Span::new(&reference, weights, axis, end_points(&reference, axis));
+        let width = Span::new(&reference, weights, across, sides(&reference, weights, across));
+        let turn = Turn::new(&reference, weights);
         Self { reference, axis, turn, across: None, length, width }
     }
 
@@ -247,7 +247,7 @@ fn sides(points: &[Vec<f64>; 2], weights: &[f64], [x, y]: [f64; 2]) -> [Vec<usiz
 /// # Panics
 /// If there are more points than others or weights.
 pub fn laid_upon(points: &[Vec<f64>; 2], others: &[Vec<f64>; 2], weights: &[f64]) -> [Vec<f64>; 2] {
-    let meter = ShapeMeter::new(points.clone(), [1.0, 0.0], weights.to_vec());
+    let meter = ShapeMeter::new(points.clone(), [1.0, 0.0], weights);
     let (sine, cosine) = meter.rotation(others).sin_cos();
     let total: f64 = weights.iter().sum();
     let middle = |of: &[Vec<f64>; 2]| {
@@ -282,7 +282,7 @@ mod tests {
     #[test]
     fn rotation_and_stretch_are_told_apart() {
         let points = [vec![0.0, 10.0, 10.0, 0.0, 4.0], vec![0.0, 0.0, 2.0, 2.0, 1.0]];
-        let meter = ShapeMeter::new(points.clone(), [1.0, 0.0], vec![1.0; 5]);
+        let meter = ShapeMeter::new(points.clone(), [1.0, 0.0], &[1.0; 5]);
         for angle in [-1.0_f64, 0.3, 2.0] {
             let (sine, cosine) = angle.sin_cos();
             let (mut turned, shift) = (points.clone(), 7.0);
@@ -314,7 +314,7 @@ mod tests {
     #[test]
     fn an_even_strain_stretches_the_whole_length_and_width() {
         let (bar, areas) = bar();
-        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], areas);
+        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], &areas);
         assert_eq!(meter.measure(&bar), Extent { length: 100.0, width: 10.0 });
         for (along, across) in [(0.8799, 1.066), (0.5, 1.3), (1.1, 0.97)] {
             let strained = [
@@ -330,7 +330,7 @@ mod tests {
     #[test]
     fn one_point_that_is_lost_hardly_moves_length_and_width() {
         let (bar, areas) = bar();
-        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], areas);
+        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], &areas);
         let mut shortened = [bar[0].iter().map(|x| 0.9 * x).collect::<Vec<f64>>(), bar[1].clone()];
         // One point of an end that stayed behind by 10 um, and one of a side that jumped by 3 um.
         let end = (0..bar[0].len()).find(|&at| bar[0][at] == 100.0 && bar[1][at] == 5.0).unwrap();
@@ -349,7 +349,7 @@ mod tests {
     fn what_clamps_hold_keeps_its_length() {
         let (bar, areas) = bar();
         for depths in [[5.0, 0.0], [5.0, 5.0], [0.0, 5.0], [0.0, 0.0]] {
-            let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], areas.clone()).gripped(depths);
+            let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], &areas).gripped(depths);
             let [low, high] = [depths[0], 100.0 - depths[1]];
             for stretch in [0.8, 1.0, 1.2] {
                 let place = |x: &f64| {
@@ -376,13 +376,13 @@ mod tests {
         for &point in &lost {
             moved[0][point] += 7.0;
         }
-        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], seen);
+        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], &seen);
         assert!((meter.measure(&moved).length - 100.0).abs() < 1e-10);
         let mut none = areas;
         for at in 0..bar[0].len() {
             none[at] *= f64::from(u8::from(bar[0][at] < 90.0));
         }
-        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], none);
+        let meter = ShapeMeter::new(bar.clone(), [1.0, 0.0], &none);
         assert!(meter.measure(&bar).length == 100.0 && meter.measure(&moved).length > 100.0);
     }
 
@@ -390,7 +390,7 @@ mod tests {
     fn a_bar_that_swings_about_its_end_keeps_its_width() {
         let bar = [vec![0.0, 10.0, 10.0, 0.0], vec![0.0, 0.0, 2.0, 2.0]];
         let held =
-            ShapeMeter::new(bar.clone(), [1.0, 0.0], vec![1.0; 4]).turned_by(&[1.0, 0.0, 0.0, 1.0]);
+            ShapeMeter::new(bar.clone(), [1.0, 0.0], &[1.0; 4]).turned_by(&[1.0, 0.0, 0.0, 1.0]);
         let (sine, cosine) = 0.1_f64.sin_cos();
         let mut swung = bar.clone();
         for i in [1, 2] {

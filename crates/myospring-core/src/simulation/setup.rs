@@ -419,8 +419,8 @@ impl Simulation {
         let (body, system) = Space::assemble(self, attachment, resting_length);
         // A free cell rotates with its mass; a cell with both ends clamped cannot rotate. A cell
         // clamped at one end swings aside as a whole.
-        let areas = mesh.areas.clone();
-        let meter = ShapeMeter::new(plane(&mesh.points).clone(), self.long_axis, areas.clone());
+        let areas = &mesh.areas;
+        let meter = ShapeMeter::new(plane(&mesh.points).clone(), self.long_axis, areas);
         let depths = end_zones(mesh, self.axis()).map(|[from, to]| to - from);
         let gripped = match self.support {
             SupportKind::ClampedEnd => [depths[0], 0.0],
@@ -435,7 +435,7 @@ impl Simulation {
                 }
                 let meter = meter.turned_by(&held).gripped(gripped);
                 if self.support == SupportKind::ClampedEnd {
-                    meter.width_turned_by(&areas)
+                    meter.width_turned_by(areas)
                 } else {
                     meter
                 }

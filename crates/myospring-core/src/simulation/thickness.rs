@@ -33,7 +33,7 @@ impl ThicknessMeter {
         let (lowest, highest) = thick.columns.iter().filter_map(ends).unzip();
         let face = |nodes: Vec<u32>| {
             let points = chosen(&thick.mesh.points, &nodes);
-            (nodes, ShapeMeter::new(points, axis, above.areas.clone()))
+            (nodes, ShapeMeter::new(points, axis, &above.areas))
         };
         let shadow = Shadow::of(&thick.mesh);
         Self { thick: Arc::clone(thick), shadow, faces: [face(lowest), face(highest)] }

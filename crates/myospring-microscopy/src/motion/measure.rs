@@ -88,7 +88,7 @@ impl CellMotion {
     /// more than half of the frames are left out.
     pub fn extents(&self) -> Vec<Extent> {
         let axis = long_axis(&self.mesh);
-        let meter = ShapeMeter::new(self.mesh.points.clone(), axis, self.seen_areas());
+        let meter = ShapeMeter::new(self.mesh.points.clone(), axis, &self.seen_areas());
         (0..self.len()).map(|frame| meter.measure(&self.positions(frame))).collect()
     }
 

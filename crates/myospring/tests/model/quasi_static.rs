@@ -363,7 +363,7 @@ fn interpolated_quantities_are_those_of_the_shapes() {
         let meter = myospring::analysis::shape::ShapeMeter::new(
             mesh.points.clone(),
             simulation.long_axis,
-            mesh.areas.clone(),
+            &mesh.areas,
         );
         let extent = meter.measure(&frame.positions);
         assert!((extent.length - sample.length_um).abs() < 1e-6, "{} ms", frame.t_ms);

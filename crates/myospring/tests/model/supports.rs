@@ -125,7 +125,7 @@ fn any_cell_comes_to_rest_on_its_path_on_a_bed_and_between_springs() {
 fn a_stiff_spring_clamps_and_a_soft_one_lets_go() {
     let mesh = tear_drop(4.0);
     let axis = quality::long_axis(&mesh);
-    let meter = ShapeMeter::new(mesh.points.clone(), axis, mesh.areas.clone());
+    let meter = ShapeMeter::new(mesh.points.clone(), axis, &mesh.areas);
     let shape = |support| {
         let (body, system) = cell(&mesh, &default_material(), support);
         let path = Path::solve(&system, &body, 50.0, Tolerance::default()).unwrap();
