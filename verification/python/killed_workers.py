@@ -4,8 +4,8 @@ usage: killed_workers.py [ROUNDS] [SEED] [CELLS]
 
 In each round of Dask (20 unless stated) a study of beats on two workers loses one at a random moment, whose work the other one and the
 new one do. MPI ends all ranks where one dies: the same command then goes on, on as many ranks, from the batches that were kept; it is
-killed again until the study is done. At last a study of so many cells (none unless stated) by one and two threads and workers of Dask, and by
-two workers of which one is killed ten times. Needs `distributed`, and `mpi4py` with `mpiexec`; what is not there is skipped, and said.
+killed again until the study is done. At last a study of CELLS cells (none unless stated) by one and two threads and workers of Dask, and by
+two workers of which one is killed, at most ten times. Needs `distributed`, and `mpi4py` with `mpiexec`; what is not there is skipped, and said.
 """
 
 import os
@@ -109,9 +109,11 @@ def many_cells(cells, found, folder):
 
             def kill():
                 while within and len(killed) < kills and not over.wait(found.uniform(0, within / kills)):
-                    if alive := [nanny.pid for nanny in cluster.workers.values() if nanny.pid]:
-                        os.kill(found.choice(alive), signal.SIGKILL)
-                        killed.append(1)
+                    pids = {nanny.pid for nanny in cluster.workers.values()} - {None, *killed}
+                    if pids:
+                        one = found.choice(sorted(pids))
+                        os.kill(one, signal.SIGKILL)
+                        killed.append(one)
 
             thread = threading.Thread(target=kill)
             thread.start()
@@ -198,5 +200,5 @@ if __name__ == "__main__":
                 print(f"{package} skipped: {error}")
             else:
                 work()
-        if cells:
-            many_cells(cells, found, folder)
+                if cells and package == "distributed":
+                    many_cells(cells, found, folder)

@@ -19,7 +19,7 @@ and disk space away.
   --quick           Each work is ended three times (two to three minutes)
   --for MINUTES     Goes on so long; 10 unless stated
   --seed NUMBER     Of the random moments; another each time unless given
-  --program PATH    The program; that which tests build unless stated
+  --program PATH    Path of the program; that which tests build unless stated
 ";
 
 /// A study, small enough to be made again and again.

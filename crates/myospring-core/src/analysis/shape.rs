@@ -48,6 +48,7 @@ struct Turn {
 
 impl Turn {
     fn new(reference: &[Vec<f64>; 2], weights: &[f64]) -> Self {
+        assert!(reference.iter().all(|of| of.len() == weights.len()), "one weight per point");
         let total: f64 = weights.iter().sum();
         let (mut arms, mut square) = ([const { Vec::new() }; 2], 0.0);
         for (arms, points) in arms.iter_mut().zip(reference) {
@@ -62,6 +63,8 @@ impl Turn {
     /// The angle of the least squares `tan = sum w (r x p) / sum w (r . p)`, with the distances `r` and `p` from the mean at rest and now.
     /// Since all `w r` add up to 0, displacements take the place of `p`: points that have not moved are not turned, to the last bit.
     fn angle(&self, reference: &[Vec<f64>; 2], positions: &[Vec<f64>; 2]) -> f64 {
+        let points = self.arms[0].len();
+        assert!(positions.iter().all(|of| of.len() == points), "one position per point");
         let [x, y] = [0, 1].map(|axis| positions[axis].iter().zip(&reference[axis]));
         let (mut cosine, mut sine) = (self.square, 0.0);
         for ((a, b), ((x, x0), (y, y0))) in self.arms[0].iter().zip(&self.arms[1]).zip(x.zip(y)) {
@@ -141,6 +144,9 @@ impl ShapeMeter {
     /// let extent = meter.measure(&turned);
     /// assert!((extent.length - 2.0).abs() < 1e-12 && (extent.width - 1.0).abs() < 1e-12);
     /// ```
+    ///
+    /// # Panics
+    /// If there is not one weight per point.
     pub fn new(reference: [Vec<f64>; 2], axis: [f64; 2], weights: &[f64]) -> Self {
         let across = [-axis[1], axis[0]];
         let length = Span::new(&reference, weights, axis, end_points(&reference, axis));
@@ -245,7 +251,7 @@ fn sides(points: &[Vec<f64>; 2], weights: &[f64], [x, y]: [f64; 2]) -> [Vec<usiz
 /// ```
 ///
 /// # Panics
-/// If there are more points than others or weights.
+/// If there are not as many points as others and weights.
 pub fn laid_upon(points: &[Vec<f64>; 2], others: &[Vec<f64>; 2], weights: &[f64]) -> [Vec<f64>; 2] {
     let meter = ShapeMeter::new(points.clone(), [1.0, 0.0], weights);
     let (sine, cosine) = meter.rotation(others).sin_cos();

@@ -13,9 +13,10 @@ pub fn projected_area(mesh: &Mesh, positions: &[Vec<f64>; 2]) -> f64 {
     })
 }
 
-/// Looks for faults of a moving body. Most shapes differ little from one that was looked at, which excludes all faults.
+/// Finds faults of a moving body. A full search is skipped while no node has moved far from the last shape that was searched.
 pub(super) struct Watch<const D: usize> {
-    /// Positions without a fault, and how far from them others have none, um along each axis.
+    /// The last positions that were searched, without a fault, and the distance from them, um along each axis, within which no fault is
+    /// possible.
     intact: Option<(Vectors<D>, f64)>,
 }
 
@@ -40,7 +41,7 @@ impl<const D: usize> Watch<D> {
         found
     }
 
-    /// Not if a position is no number.
+    /// Whether all nodes are so near to those positions that no fault is possible; false if a coordinate is not finite.
     fn is_intact(&self, positions: &Vectors<D>) -> bool {
         let Some((intact, reach)) = &self.intact else { return false };
         // All of an axis, so that several nodes are compared at once.
@@ -56,7 +57,7 @@ impl<const D: usize> Watch<D> {
 /// by less than the radius of its inscribed ball keeps a width above 0: at first it is at least twice that radius, and it changes by
 /// at most twice the distance.
 fn reach<const D: usize, const N: usize>(mesh: &Mesh<D, N>, positions: &Vectors<D>) -> f64 {
-    /// Of the distance, for rounding.
+    /// Safety factor for rounding.
     const PART: f64 = 0.9;
     let of_simplices = mesh.simplices.iter().map(|simplex| {
         let corners = simplex.nodes.map(|node| positions.each_ref().map(|of| of[node as usize]));

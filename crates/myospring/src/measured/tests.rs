@@ -443,23 +443,33 @@ fn a_line_that_is_much_longer_than_thousands_of_others_is_refused() {
     let long = |name: &str| (0..5000).map(|at| format!("{name}{at}")).collect::<Vec<_>>().join(",");
     let short = "1,2\n".repeat(5000);
     for (text, said) in [
-        // Both were read as a table whose rows are curves: 25 million fields.
+        // As a table whose rows are curves it would have 25 million fields.
         (
             format!("{}\n{short}", long("f")),
-            "the line of names has 5000 fields, but 5000 lines have 2.0 on average",
+            "the line of names has 5000 fields, but 5000 lines have 2.0 on average: correct it if each line",
         ),
         (
             format!("time (ms),length (um)\n{}\n{short}", "0,".repeat(5000)),
             "line 2, column `3`: \"0\" is one field too many",
         ),
+        // As a table of columns it would take minutes.
         (
-            format!("{short}{}\n", long("cell ")),
-            "line 5001 has 5000 fields, but 5001 lines have 3.0 on average",
+            format!("t_ms,{}\n{}", "length_um,".repeat(30_000), "1,2\n".repeat(20_000)),
+            "the line of names has 30002 fields, but 20000 lines have 2.0",
         ),
     ] {
         let error = error(&text, &NONE());
         assert!(error.contains(said), "{error}");
     }
+    // Columns may end early.
+    let names: Vec<String> = (1..=40).map(|cell| format!("length {cell} (um)")).collect();
+    let row = |frame: usize| {
+        let cells = if frame < 2000 { 40 } else { 1 };
+        format!("{}{}\n", 4 * frame, ",100".repeat(cells))
+    };
+    let text: String = (0..100_000).map(row).collect();
+    let table = read(&format!("t_ms,{}\n{text}", names.join(",")), &NONE());
+    assert_eq!((table.curves.len(), table.curves[1].values.len()), (40, 2000));
 }
 
 /// Twice the columns take twice the time; a machine that does other work may need four times as long.

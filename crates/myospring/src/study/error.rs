@@ -42,6 +42,16 @@ pub enum StudyError {
         /// Error of the operating system.
         source: io::Error,
     },
+    /// The journal has another member's line where one was written.
+    #[error(
+        "`{path}` was changed while the study ran: the line of `{member}` is another's; start the study again in an empty folder"
+    )]
+    Changed {
+        /// The file.
+        path: PathBuf,
+        /// Name of the member.
+        member: String,
+    },
     /// A row cannot be written as JSON.
     #[error("a row cannot be written as JSON: {0}; keys of maps must be text or numbers")]
     Row(#[from] serde_json::Error),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{self, DirEntry, File};
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -66,15 +66,32 @@ struct Done<R> {
 /// Line of a finished member.
 #[derive(Debug, Clone, Copy)]
 struct Line {
-    start: u64,
-    length: u32,
+    /// Its start times [`LONGEST`], plus its length: both fit into one number.
+    place: u64,
     /// Short hash of the hash of its input, enough to detect a changed input.
-    input: u32,
+    input: u64,
 }
 
+/// Lines are shorter than this.
+const LONGEST: u64 = 1 << 26;
+
 impl Line {
+    /// `None` if it is too long, or too far behind.
+    fn new(start: u64, length: usize, key: &str) -> Option<Self> {
+        let length = u64::try_from(length).ok().filter(|length| *length < LONGEST)?;
+        Some(Self { place: start.checked_mul(LONGEST)? + length, input: digest(key) })
+    }
+
+    fn start(self) -> u64 {
+        self.place / LONGEST
+    }
+
+    fn length(self) -> u64 {
+        self.place % LONGEST
+    }
+
     fn is_of(self, key: &str) -> bool {
-        self.input == digest(key) as u32
+        self.input == digest(key)
     }
 }
 
@@ -304,18 +321,17 @@ impl<M: Member> Journal<M> {
                 let mut bytes = Vec::new();
                 for member in members {
                     let Some(line) = lines.get(&digest(member.name())) else { continue };
-                    bytes.resize(line.length as usize, 0);
+                    bytes.resize(line.length() as usize, 0);
                     // Members that follow one another in the study mostly do so in the journal.
                     reader
-                        .seek_relative(line.start.cast_signed() - here.cast_signed())
+                        .seek_relative(line.start().cast_signed() - here.cast_signed())
                         .and_then(|()| reader.read_exact(&mut bytes))
                         .map_err(|source| unwritten(path, source))?;
-                    here = line.start + u64::from(line.length);
+                    here = line.start() + line.length();
                     let entry = serde_json::from_slice::<Entry<M::Row>>(&bytes)?;
                     if entry.name.get(M::KIND).is_none_or(|name| name != member.name()) {
-                        let cause =
-                            format!("another {} is in the place of {}", M::KIND, member.name());
-                        return Err(unwritten(path, io::Error::new(ErrorKind::InvalidData, cause)));
+                        let (path, member) = (path.clone(), member.name().to_owned());
+                        return Err(StudyError::Changed { path, member });
                     }
                     rows.extend(entry.rows);
                 }
@@ -402,6 +418,5 @@ fn named<M: Member>(mut entry: Entry<M::Row>) -> Option<(String, Done<M::Row>)> 
 /// Returns the digest of the name and the position of an entry if it belongs to a member of this kind.
 fn placed<M: Member>(entry: &Entry<M::Row>, start: u64, length: usize) -> Option<(u64, Line)> {
     let name = digest(entry.name.get(M::KIND)?);
-    let length = u32::try_from(length).ok()?;
-    Some((name, Line { start, length, input: digest(&entry.sha256) as u32 }))
+    Some((name, Line::new(start, length, &entry.sha256)?))
 }

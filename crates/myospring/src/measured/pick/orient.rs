@@ -2,16 +2,23 @@
 
 use super::picked::{MANY, Picked, rises};
 use crate::measured::column::{self, Holds};
+use crate::measured::error::ReadError;
 use crate::measured::number::{self, Cell};
 use crate::measured::options::Layout;
 use crate::measured::sheet::{Row, Sheet};
 use std::collections::BTreeSet;
 
+/// Tables of at most so many rows times columns may have any gaps: each place of a transposed one takes memory.
+const MOST_TURNED: usize = 10_000_000;
+
 impl Picked<'_> {
     /// Transposes a table whose rows are curves.
-    pub(super) fn orient(&mut self) {
+    ///
+    /// # Errors
+    /// Rows of which one is so much longer than the others that hardly any curve would have its frames.
+    pub(super) fn orient(&mut self) -> Result<(), ReadError> {
         if self.options.layout == Some(Layout::Columns) {
-            return;
+            return Ok(());
         }
         let (width, rows) = (self.sheet.width(), self.sheet.rows.len());
         let first = self.sheet.rows.first().map_or(&[][..], |row| &row.fields);
@@ -26,7 +33,7 @@ impl Picked<'_> {
         let labels = (0..width).take_while(|at| is_label(*at)).count();
         // The header may contain frames or times instead of names.
         if are_frames(&self.sheet.header) || (unnamed && first.len() >= MANY && are_frames(first)) {
-            self.turn(Some("frame"), labels);
+            self.turn(Some("frame"), labels)?;
         } else if unnamed
             && rows > 1
             && width > rows
@@ -45,21 +52,26 @@ impl Picked<'_> {
                 "the first row contains times, and each further row is a curve (--layout columns if not)"
                     .to_owned(),
             );
-            self.turn(Some(&axis), labels);
+            self.turn(Some(&axis), labels)?;
         } else if self.options.layout == Some(Layout::Rows) {
-            self.turn(None, labels);
+            self.turn(None, labels)?;
         } else if unnamed && width >= MANY && width > rows {
             let down = self.sheet.rows.iter().map(|row| self.sheet.cell(row, 0));
             if rows < 2 || !rises(down) {
                 self.notes.push(format!(
                     "{rows} rows of {width} numbers without names: each row is read as a curve (--layout columns if not)"
                 ));
-                self.turn(None, labels);
+                self.turn(None, labels)?;
             }
         }
+        Ok(())
     }
 
-    pub(super) fn turn(&mut self, axis: Option<&str>, labels: usize) {
+    pub(super) fn turn(&mut self, axis: Option<&str>, labels: usize) -> Result<(), ReadError> {
+        self.check_gaps(
+            MOST_TURNED,
+            "correct it if each line is to be a curve, or use --layout columns",
+        )?;
         let empty = Sheet {
             header: Vec::new(),
             groups: Vec::new(),
@@ -70,6 +82,7 @@ impl Picked<'_> {
         };
         let sheet = std::mem::replace(&mut self.sheet, empty);
         self.sheet = sheet.turn(axis, labels);
+        Ok(())
     }
 }
 

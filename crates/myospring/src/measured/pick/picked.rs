@@ -13,8 +13,9 @@ use std::path::Path;
 /// Smallest number of columns with which each row of a table without names can be a curve.
 pub(super) const MANY: usize = 16;
 
-/// Rows times columns of a table that may have any gaps, and how many times as many as fields larger ones may have.
-const LARGE: usize = 1_000_000;
+/// Tables of at most so many rows times columns may have any gaps: each column is looked for in every row.
+const LARGEST: usize = 100_000_000;
+/// Rows times columns of larger ones may be more than that by so many times the number of fields.
 const SPARSE: usize = 8;
 
 /// Largest number of names that an error lists.
@@ -82,9 +83,11 @@ impl<'a> Picked<'a> {
 
     /// Reads the curves.
     pub(super) fn table(mut self) -> Result<Table, ReadError> {
-        self.check_shape()?;
-        self.orient();
+        self.orient()?;
         self.check_width()?;
+        if self.sheet.turned.is_empty() {
+            self.check_gaps(LARGEST, "correct it, or put it into a file of its own")?;
+        }
         self.sheet.note_names();
         if !self.sheet.again.is_empty() {
             let names: BTreeSet<String> =
@@ -109,21 +112,20 @@ impl<'a> Picked<'a> {
         Ok(Table { curves, notes: self.notes })
     }
 
-    /// Refuses a large table of which nearly all fields are missing, since one line is much longer than the others: every row is read in
-    /// every column.
-    fn check_shape(&self) -> Result<(), ReadError> {
+    /// Refuses a table of more than so many rows times columns of which nearly all fields are missing, since one line is much longer
+    /// than the others.
+    pub(super) fn check_gaps(&self, large: usize, mend: &str) -> Result<(), ReadError> {
         let (rows, width) = (self.sheet.rows.len(), self.sheet.width());
         let fields: usize = self.sheet.rows.iter().map(|row| row.fields.len()).sum();
         let there = fields + self.sheet.header.len();
-        if rows.saturating_mul(width) <= LARGE + SPARSE * there {
+        if rows.saturating_mul(width) <= large + SPARSE * there {
             return Ok(());
         }
-        self.check_width()?;
         let longest = self.sheet.rows.iter().find(|row| row.fields.len() == width);
         let longest =
             longest.map_or("the line of names".to_owned(), |row| format!("line {}", row.line));
         Err(self.error(format!(
-            "{longest} has {width} fields, but {rows} lines have {:.1} on average: correct it, or put it into a file of its own",
+            "{longest} has {width} fields, but {rows} lines have {:.1} on average: {mend}",
             fields as f64 / rows as f64
         )))
     }
