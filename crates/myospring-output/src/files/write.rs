@@ -123,8 +123,8 @@ fn part_of(path: &Path) -> io::Result<(PathBuf, File)> {
     }
 }
 
-/// Removes temporary files that killed processes left in a folder; no other process may be writing
-/// there.
+/// Removes temporary files that killed processes left in a folder and those in it; no other process
+/// may be writing there.
 ///
 /// # Errors
 /// Errors of the system.
@@ -137,7 +137,10 @@ pub fn clear_parts(folder: &Path) -> io::Result<()> {
         let ours = |random: &str| {
             random.len() == 16 && random.bytes().all(|byte| byte.is_ascii_hexdigit())
         };
-        if random.is_some_and(ours) && entry.file_type()?.is_file() {
+        let kind = entry.file_type()?;
+        if kind.is_dir() {
+            clear_parts(&entry.path())?;
+        } else if random.is_some_and(ours) && kind.is_file() {
             fs::remove_file(entry.path())?;
         }
     }
@@ -166,14 +169,15 @@ mod tests {
         for name in theirs {
             fs::write(at(name), "theirs").unwrap();
         }
-        let (left, _) = part_of(&at("a.svg")).unwrap();
+        fs::create_dir(at("figures")).unwrap();
+        let left = ["a.svg", "figures/a.svg"].map(|name| part_of(&at(name)).unwrap().0);
         write(&at("a.svg"), "new").unwrap();
         clear_parts(folder.path()).unwrap();
-        assert!(!left.exists());
+        assert!(left.iter().all(|part| !part.exists()));
         for name in theirs {
             assert_eq!(fs::read_to_string(at(name)).unwrap(), "theirs", "{name}");
         }
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5);
     }
 
     #[cfg(unix)]
