@@ -8,6 +8,7 @@ killed again until the study is done. At last a study of CELLS cells (none unles
 two workers of which one is killed, at most ten times. Needs `distributed`, and `mpi4py` with `mpiexec`; what is not there is skipped, and said.
 """
 
+import contextlib
 import os
 import pathlib
 import random
@@ -98,7 +99,7 @@ def many_cells(cells, found, folder):
         return seconds
 
     def by_workers(name, workers, within=None):
-        """Within a time workers are killed."""
+        """Returns the seconds, and how many workers were killed: at random moments of a time, if one is given."""
         options = {"dashboard_address": None, "local_directory": folder}
         with (
             LocalCluster(n_workers=workers, threads_per_worker=1, **options) as cluster,
@@ -112,12 +113,13 @@ def many_cells(cells, found, folder):
                     pids = {nanny.pid for nanny in cluster.workers.values()} - {None, *killed}
                     if pids:
                         one = found.choice(sorted(pids))
-                        os.kill(one, signal.SIGKILL)
-                        killed.append(one)
+                        with contextlib.suppress(ProcessLookupError):
+                            os.kill(one, signal.SIGKILL)
+                            killed.append(one)
 
             thread = threading.Thread(target=kill)
             thread.start()
-            # A piece of work that was on several workers as they were killed is to be tried once more.
+            # A batch is given up after as many tries as there are kills, and not before.
             seconds = timed(name, executor=client.get_executor(pure=False), tries=kills)
             over.set()
             thread.join()

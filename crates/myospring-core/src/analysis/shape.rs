@@ -60,8 +60,8 @@ impl Turn {
         Self { arms, square }
     }
 
-    /// The angle of the least squares `tan = sum w (r x p) / sum w (r . p)`, with the distances `r` and `p` from the mean at rest and now.
-    /// Since all `w r` add up to 0, displacements take the place of `p`: points that have not moved are not turned, to the last bit.
+    /// Returns the angle of the least squares, `tan = sum w (r x p) / sum w (r . p)`, with the distances `r` and `p` from the mean at
+    /// rest and now. All `w r` add up to 0, so `p` is replaced by `r` plus the displacement: without displacements the angle is exactly 0.
     fn angle(&self, reference: &[Vec<f64>; 2], positions: &[Vec<f64>; 2]) -> f64 {
         let points = self.arms[0].len();
         assert!(positions.iter().all(|of| of.len() == points), "one position per point");

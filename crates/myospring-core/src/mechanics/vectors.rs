@@ -8,7 +8,7 @@ pub fn zeros<const D: usize>(count: usize) -> Vectors<D> {
     std::array::from_fn(|_| vec![0.0; count])
 }
 
-/// The sum of `count` terms. Several sums are made side by side, since each addition waits for the one before it.
+/// Returns the sum of `count` terms. Eight partial sums are added up in parallel, because each addition waits for the one before.
 #[inline]
 pub(crate) fn sum(count: usize, term: impl Fn(usize) -> f64) -> f64 {
     const BESIDE: usize = 8;

@@ -446,7 +446,7 @@ fn a_line_that_is_much_longer_than_thousands_of_others_is_refused() {
         // As a table whose rows are curves it would have 25 million fields.
         (
             format!("{}\n{short}", long("f")),
-            "the line of names has 5000 fields, but 5000 lines have 2.0 on average: correct it if each line",
+            "the line of names has 5000 fields, the 5000 rows have 2.0 on average; correct that line, or use --layout columns",
         ),
         (
             format!("time (ms),length (um)\n{}\n{short}", "0,".repeat(5000)),
@@ -455,7 +455,7 @@ fn a_line_that_is_much_longer_than_thousands_of_others_is_refused() {
         // As a table of columns it would take minutes.
         (
             format!("t_ms,{}\n{}", "length_um,".repeat(30_000), "1,2\n".repeat(20_000)),
-            "the line of names has 30002 fields, but 20000 lines have 2.0",
+            "the line of names has 30002 fields, the 20000 rows have 2.0 on average; correct that line, or delete",
         ),
     ] {
         let error = error(&text, &NONE());

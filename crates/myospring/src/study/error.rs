@@ -42,9 +42,10 @@ pub enum StudyError {
         /// Error of the operating system.
         source: io::Error,
     },
-    /// The journal has another member's line where one was written.
+    /// The journal no longer has a member's line where it was written.
     #[error(
-        "`{path}` was changed while the study ran: the line of `{member}` is another's; start the study again in an empty folder"
+        "`{path}` was changed while the study ran: the line of `{member}` is no longer where it was written; start the study again in \
+         an empty folder"
     )]
     Changed {
         /// The file.

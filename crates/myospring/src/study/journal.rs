@@ -66,17 +66,17 @@ struct Done<R> {
 /// Line of a finished member.
 #[derive(Debug, Clone, Copy)]
 struct Line {
-    /// Its start times [`LONGEST`], plus its length: both fit into one number.
+    /// Its start times [`LONGEST`], plus its length: one number takes half the memory of two.
     place: u64,
     /// Short hash of the hash of its input, enough to detect a changed input.
     input: u64,
 }
 
-/// Lines are shorter than this.
-const LONGEST: u64 = 1 << 26;
+/// Lines are shorter than this, 256 MB; a journal then ends before 64 GB.
+const LONGEST: u64 = 1 << 28;
 
 impl Line {
-    /// `None` if it is too long, or too far behind.
+    /// Returns `None` if it is too long, or too far behind.
     fn new(start: u64, length: usize, key: &str) -> Option<Self> {
         let length = u64::try_from(length).ok().filter(|length| *length < LONGEST)?;
         Some(Self { place: start.checked_mul(LONGEST)? + length, input: digest(key) })
@@ -295,7 +295,12 @@ impl<M: Member> Journal<M> {
                     .map_err(|source| unwritten(path, source))?;
                 for (entry, text) in entries.into_iter().zip(texts) {
                     let length = text.len();
-                    lines.extend(placed::<M>(&entry, start, length));
+                    let placed = placed::<M>(&entry, start, length);
+                    let (name, line) = placed.ok_or_else(|| {
+                        let cause = "its results are too large: 256 MB for a line, 64 GB for all";
+                        unwritten(path, io::Error::new(io::ErrorKind::FileTooLarge, cause))
+                    })?;
+                    lines.insert(name, line);
                     start += length as u64;
                 }
             }
@@ -419,4 +424,21 @@ fn named<M: Member>(mut entry: Entry<M::Row>) -> Option<(String, Done<M::Row>)> 
 fn placed<M: Member>(entry: &Entry<M::Row>, start: u64, length: usize) -> Option<(u64, Line)> {
     let name = digest(entry.name.get(M::KIND)?);
     Some((name, Line::new(start, length, &entry.sha256)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_has_its_start_length_and_input_up_to_their_bounds() {
+        let last = u64::MAX / LONGEST;
+        for (start, length) in [(0, 0), (17, 300), (last, LONGEST as usize - 1)] {
+            let line = Line::new(start, length, "key").unwrap();
+            assert_eq!((line.start(), line.length()), (start, length as u64));
+            assert!(line.is_of("key") && !line.is_of("other"));
+        }
+        assert!(Line::new(0, LONGEST as usize, "key").is_none());
+        assert!(Line::new(last + 1, 0, "key").is_none());
+    }
 }

@@ -8,14 +8,15 @@ use crate::measured::options::Layout;
 use crate::measured::sheet::{Row, Sheet};
 use std::collections::BTreeSet;
 
-/// Tables of at most so many rows times columns may have any gaps: each place of a transposed one takes memory.
+/// A table up to this size, rows times columns, is transposed however many fields are missing. Missing fields
+/// take memory once it is transposed.
 const MOST_TURNED: usize = 10_000_000;
 
 impl Picked<'_> {
     /// Transposes a table whose rows are curves.
     ///
     /// # Errors
-    /// Rows of which one is so much longer than the others that hardly any curve would have its frames.
+    /// A large table to transpose in which nearly all fields are missing.
     pub(super) fn orient(&mut self) -> Result<(), ReadError> {
         if self.options.layout == Some(Layout::Columns) {
             return Ok(());
@@ -70,7 +71,7 @@ impl Picked<'_> {
     pub(super) fn turn(&mut self, axis: Option<&str>, labels: usize) -> Result<(), ReadError> {
         self.check_gaps(
             MOST_TURNED,
-            "correct it if each line is to be a curve, or use --layout columns",
+            "correct that line, or use --layout columns if the columns are curves",
         )?;
         let empty = Sheet {
             header: Vec::new(),

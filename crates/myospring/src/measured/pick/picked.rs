@@ -13,9 +13,10 @@ use std::path::Path;
 /// Smallest number of columns with which each row of a table without names can be a curve.
 pub(super) const MANY: usize = 16;
 
-/// Tables of at most so many rows times columns may have any gaps: each column is looked for in every row.
+/// A table up to this size, rows times columns, is read however many fields are missing. Reading takes
+/// time for missing fields, too.
 const LARGEST: usize = 100_000_000;
-/// Rows times columns of larger ones may be more than that by so many times the number of fields.
+/// Larger tables may have seven missing fields for each that is there.
 const SPARSE: usize = 8;
 
 /// Largest number of names that an error lists.
@@ -86,7 +87,10 @@ impl<'a> Picked<'a> {
         self.orient()?;
         self.check_width()?;
         if self.sheet.turned.is_empty() {
-            self.check_gaps(LARGEST, "correct it, or put it into a file of its own")?;
+            self.check_gaps(
+                LARGEST,
+                "correct that line, or delete the fields that it has too many",
+            )?;
         }
         self.sheet.note_names();
         if !self.sheet.again.is_empty() {
@@ -112,8 +116,8 @@ impl<'a> Picked<'a> {
         Ok(Table { curves, notes: self.notes })
     }
 
-    /// Refuses a table of more than so many rows times columns of which nearly all fields are missing, since one line is much longer
-    /// than the others.
+    /// Refuses a table in which nearly all fields are missing, because one line is much longer than the
+    /// others. Tables up to `large`, rows times columns, are never refused; `mend` says what to do.
     pub(super) fn check_gaps(&self, large: usize, mend: &str) -> Result<(), ReadError> {
         let (rows, width) = (self.sheet.rows.len(), self.sheet.width());
         let fields: usize = self.sheet.rows.iter().map(|row| row.fields.len()).sum();
@@ -125,7 +129,7 @@ impl<'a> Picked<'a> {
         let longest =
             longest.map_or("the line of names".to_owned(), |row| format!("line {}", row.line));
         Err(self.error(format!(
-            "{longest} has {width} fields, but {rows} lines have {:.1} on average: {mend}",
+            "nearly all its fields are missing: {longest} has {width} fields, the {rows} rows have {:.1} on average; {mend}",
             fields as f64 / rows as f64
         )))
     }

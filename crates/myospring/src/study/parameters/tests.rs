@@ -1,6 +1,6 @@
 //! Small studies whose answers are known.
 
-use super::super::{Journal, Row as _, Status, StudyObserver, Threads};
+use super::super::{Journal, Member as _, Row as _, Status, StudyObserver, Threads};
 use super::{
     Answer, Common, ParameterStudy, Ranked, Shard, TRACES, Values, Variation, VariationRow, run,
     run_members,
@@ -589,4 +589,21 @@ fn a_study_whose_files_were_damaged_gives_the_results_of_an_undisturbed_one_or_a
         }
     }
     assert!(anew > 60 && errors > 20, "{anew} members anew, {errors} errors");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_journal_whose_lines_were_exchanged_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal: Journal<Variation> = Journal::open(folder.path(), "").unwrap();
+    let members = [1, 2].map(|number| Variation::new(number, vec![number as f64]));
+    let row = |member: &Variation| vec![VariationRow::done(member.number, vec![Some(0.5)])];
+    journal.add(members.iter().map(|member| (member, member.key(), row(member)))).unwrap();
+    assert_eq!(journal.rows(&members).unwrap().len(), 2);
+    let path = folder.path().join("progress.jsonl");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let (first, second) = text.split_at(text.len() / 2);
+    std::fs::write(&path, format!("{second}{first}")).unwrap();
+    let error = journal.rows(&members).unwrap_err().to_string();
+    assert!(error.contains("the line of `1` is no longer where it was written"), "{error}");
 }
