@@ -8,8 +8,8 @@ use myospring::interruption::Interruption;
 use myospring::output::files::{self, Manifest, Reads};
 use myospring::settings::{Models, read_toml};
 use myospring::study::parameters::{
-    Answer, Common, MemberKind, ParameterStudy, ParameterStudyError, Shard, TRACES, Variation,
-    VariationRow,
+    Answer, Common, MemberKind, ParameterStudy, ParameterStudyError, Rows, Shard, TRACES,
+    Variation, VariationRow,
 };
 use myospring::study::{Journal, Status, StudyError, Threads};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray1, PyReadonlyArray2};
@@ -24,7 +24,7 @@ use std::time::Instant;
 
 /// Members, their metrics (n, M), why one has none, their curves (n, L) where they are wanted, and the seconds that
 /// it took.
-type Rows<'py> = (
+type Worked<'py> = (
     Bound<'py, PyArray1<u64>>,
     Bound<'py, PyArray2<f64>>,
     Vec<Option<String>>,
@@ -76,7 +76,7 @@ pub(crate) fn with_rows(py: Python<'_>, text: &str, file: &str) -> PyResult<Stri
 struct Progress {
     journal: Journal<Variation>,
     /// What the journal had when it was closed.
-    rows: Vec<VariationRow>,
+    rows: Rows,
     /// Members that were lost with their workers: rows for now, and done anew when the study goes on.
     lost: Vec<VariationRow>,
 }
@@ -143,7 +143,7 @@ impl Study {
         })?;
         let (parameters, common, journal, files) =
             made.map_err(|error| errors::of_description(py, &error, of_text))?;
-        let progress = Progress { journal, rows: Vec::new(), lost: Vec::new() };
+        let progress = Progress { journal, rows: Rows::default(), lost: Vec::new() };
         let (progress, stop) = (Mutex::new(progress), Arc::default());
         Ok(Self { text, files, parameters, common, output, progress, stop })
     }
@@ -246,7 +246,7 @@ impl Study {
         &self,
         py: Python<'py>,
         numbers: PyReadonlyArray1<'py, u64>,
-    ) -> PyResult<Rows<'py>> {
+    ) -> PyResult<Worked<'py>> {
         let members = self.members(numbers_of(&numbers)?);
         let begun = Instant::now();
         let rows = py.detach(|| {
@@ -325,8 +325,10 @@ impl Study {
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let closed = py.detach(|| {
             let mut progress = self.progress();
-            let rows = self.parameters.noted(Shard::WHOLE, &progress.journal)?;
-            progress.rows.extend(rows);
+            let rows: Rows = self.parameters.noted(Shard::WHOLE, &progress.journal)?;
+            if !rows.is_empty() {
+                progress.rows = rows;
+            }
             progress.journal = Journal::in_memory();
             Ok(())
         });
@@ -340,11 +342,11 @@ impl Study {
         let kept: Vec<bool> = answer.rows().iter().map(|row| answer.is_kept(row)).collect();
         let mut flat = Vec::with_capacity(width * kept.len());
         let (mut statuses, mut reasons) = (Vec::new(), Vec::new());
-        for row in answer.rows() {
-            let value = |at| row.metrics.get(at).copied().flatten().unwrap_or(f64::NAN);
+        for row in answer.rows().iter() {
+            let value = |at| row.metric(at).unwrap_or(f64::NAN);
             flat.extend((0..width).map(value));
             statuses.push(row.status.to_string());
-            reasons.push(Some(words::in_python(&row.reason)).filter(|reason| !reason.is_empty()));
+            reasons.push(Some(words::in_python(row.reason)).filter(|reason| !reason.is_empty()));
         }
         let metrics = PyArray1::from_vec(py, flat).reshape([kept.len(), width])?;
         Ok((metrics, statuses, reasons, PyArray1::from_vec(py, kept)))
@@ -393,8 +395,11 @@ impl Study {
 
     fn answer(&self) -> Result<Answer<'_>, StudyError> {
         let progress = self.progress();
-        let mut rows = self.parameters.noted(Shard::WHOLE, &progress.journal)?;
-        rows.extend(progress.rows.iter().chain(&progress.lost).cloned());
+        let mut rows = progress.rows.clone();
+        if rows.is_empty() {
+            rows = self.parameters.noted(Shard::WHOLE, &progress.journal)?;
+        }
+        rows.extend(progress.lost.iter().cloned());
         Ok(Answer::new(&self.parameters, &self.common.units, rows))
     }
 }
@@ -434,7 +439,7 @@ impl Members {
         numbers: PyReadonlyArray1<'py, u64>,
         values: PyReadonlyArray2<'py, f64>,
         threads: usize,
-    ) -> PyResult<Rows<'py>> {
+    ) -> PyResult<Worked<'py>> {
         let values = values.as_array();
         let members = numbers_of(&numbers)?.into_iter().zip(values.outer_iter());
         let members: Vec<Variation> =
@@ -455,7 +460,7 @@ fn back<'py>(
     width: usize,
     common: &Common,
     begun: Instant,
-) -> PyResult<Rows<'py>> {
+) -> PyResult<Worked<'py>> {
     let seconds = begun.elapsed().as_secs_f64();
     let curves: Vec<Vec<f32>> = rows.iter().map(|row| common.handed(row.member)).collect();
     let length = curves.iter().map(Vec::len).max().unwrap_or(0);

@@ -15,7 +15,7 @@ use super::watched::Watched;
 use crate::output::files::Manifest;
 use crate::settings::Models;
 use crate::study::parameters::{
-    Answer, Common, ParameterStudy, Shard, Variation, VariationRow, merge_traces, run,
+    Answer, Common, ParameterStudy, Rows, Shard, Variation, VariationRow, merge_traces, run,
     with_whole_curves,
 };
 use crate::study::{Journal, Threads};
@@ -66,7 +66,7 @@ pub struct Studied<'a> {
     study: &'a Study,
     common: Common,
     manifest: Manifest,
-    rows: Vec<VariationRow>,
+    rows: Rows,
     /// How many members this part has.
     pub members: usize,
     /// Whether it was stopped before its last member.
@@ -133,11 +133,11 @@ impl Study {
         let manifest = Manifest::of(target);
         self.files.reads().check_folder(target)?;
         manifest.check_reads(&self.files.reads())?;
-        let mut rows = Vec::new();
+        let mut rows = Rows::default();
         let parts = parts(target)?;
         for (part, folder) in &parts {
             let journal: Journal<Variation> = Journal::open(folder, &study.settings(&common))?;
-            let noted = study.noted(*part, &journal)?;
+            let noted: Vec<VariationRow> = study.noted(*part, &journal)?;
             rows.extend(match &common.axes {
                 Some(axes) => with_whole_curves(folder, axes, *part, all, noted)?,
                 None => noted,

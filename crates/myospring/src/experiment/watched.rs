@@ -57,10 +57,6 @@ impl<M: Member> StudyObserver<M> for Watched<'_, M> {
         self.interruption.clone()
     }
 
-    fn wants_tables(&self) -> bool {
-        self.table.is_some()
-    }
-
     fn table(&self, rows: &[M::Row]) -> Result<(), Cause> {
         self.table.map_or(Ok(()), |write| write(rows))
     }

@@ -171,7 +171,7 @@ pub fn run(
     journal: &Journal<PacedCell>,
     threads: &Threads,
     observer: &impl StudyObserver<PacedCell>,
-) -> Result<StudyReport<BeatRow>, StudyError> {
+) -> Result<StudyReport<Vec<BeatRow>>, StudyError> {
     method.validate()?;
     let settings = BatchSettings { method, sample_interval_ms: None };
     // A few cells are distributed among all threads.

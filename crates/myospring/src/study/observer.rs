@@ -29,14 +29,9 @@ pub trait StudyObserver<M: Member>: Sync {
         Interruption::default()
     }
 
-    /// Whether [`StudyObserver::table`] is called while members are in progress; with very many members
-    /// that takes long.
-    fn wants_tables(&self) -> bool {
-        true
-    }
-
     /// Called with the rows so far, in the order of the members: every [`TABLE_EVERY`], and at the
-    /// end.
+    /// end. A study of [parameters](super::parameters), which may have millions of members, never
+    /// calls it.
     ///
     /// # Errors
     /// Any error; it ends the study.

@@ -46,6 +46,7 @@ mod elsewhere;
 mod error;
 mod figures;
 mod member;
+mod rows;
 mod schema;
 mod shard;
 mod traces;
@@ -57,6 +58,7 @@ pub use description::{AcceptanceBand, CountedBeat, Design, MemberKind, Parameter
 pub use error::ParameterStudyError;
 pub use figures::Drawn;
 pub use member::{Variation, VariationRow};
+pub use rows::{MemberRow, Rows};
 pub use schema::schema;
 pub use shard::Shard;
 pub use traces::{TRACES, TraceAxes, merge_traces, with_whole_curves};
@@ -80,18 +82,18 @@ const BEATS_TOGETHER: usize = 8;
 const GROUPS: usize = 4;
 
 /// Computes every member of a shard of a study that the journal does not contain; `common` must
-/// come from the same study.
+/// come from the same study. [`Rows`] hold the rows of millions of members.
 ///
 /// # Errors
 /// Those of [`study::run`](super::run); the error of a member is a row.
-pub fn run(
+pub fn run<C: Default + Extend<VariationRow>>(
     study: &ParameterStudy,
     common: &Common,
     part: Shard,
     journal: &Journal<Variation>,
     threads: &Threads,
     observer: &impl StudyObserver<Variation>,
-) -> Result<StudyReport<VariationRow>, StudyError> {
+) -> Result<StudyReport<C>, StudyError> {
     run_all(common, &InShard { study, part }, journal, threads, observer)
 }
 
@@ -105,7 +107,7 @@ pub fn run_members(
     journal: &Journal<Variation>,
     threads: &Threads,
     observer: &impl StudyObserver<Variation>,
-) -> Result<StudyReport<VariationRow>, StudyError> {
+) -> Result<StudyReport<Vec<VariationRow>>, StudyError> {
     run_all(common, members, journal, threads, observer)
 }
 
@@ -126,13 +128,13 @@ impl Members<Variation> for InShard<'_> {
     }
 }
 
-fn run_all(
+fn run_all<C: Default + Extend<VariationRow>>(
     common: &Common,
     members: &(impl Members<Variation> + Sync + ?Sized),
     journal: &Journal<Variation>,
     threads: &Threads,
     observer: &impl StudyObserver<Variation>,
-) -> Result<StudyReport<VariationRow>, StudyError> {
+) -> Result<StudyReport<C>, StudyError> {
     let count = members.count();
     if common.axes.is_some() {
         common.check_curves(&members.part(0..count), journal)?;
@@ -145,10 +147,11 @@ fn run_all(
     };
     let together = NonZeroUsize::new(together).unwrap_or(NonZeroUsize::MIN);
     let interruption = observer.interruption();
-    let report = run_in_parts(members, journal, threads, observer, together, |group| {
+    let work = |group: &[&Variation]| {
         let rows = common.rows(group, &interruption);
         rows.into_iter().map(|row| row.map(|row| vec![row])).collect()
-    })?;
+    };
+    let report = run_in_parts(members, journal, threads, observer, together, (work, || Ok(())))?;
     match common.failure() {
         None => Ok(report),
         Some(error) => Err(error.into()),

@@ -14,16 +14,16 @@ use std::sync::{Mutex, PoisonError};
 
 /// Result of a study.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StudyReport<R> {
+pub struct StudyReport<C> {
     /// Number of members that were finished before.
     pub resumed: usize,
     /// Whether the observer stopped the study before its end.
     pub stopped: bool,
     /// Rows of all finished members, in the order of the members.
-    pub rows: Vec<R>,
+    pub rows: C,
 }
 
-impl<R: Row> StudyReport<R> {
+impl<R: Row> StudyReport<Vec<R>> {
     /// Returns the number of rows with this status.
     pub fn count(&self, status: Status) -> usize {
         self.rows.iter().filter(|row| row.status() == status).count()
@@ -44,7 +44,7 @@ pub fn run<M: Member>(
     threads: &Threads,
     observer: &impl StudyObserver<M>,
     work: impl Fn(&M) -> Result<Vec<M::Row>, Cause> + Sync,
-) -> Result<StudyReport<M::Row>, StudyError> {
+) -> Result<StudyReport<Vec<M::Row>>, StudyError> {
     let work = |group: &[&M]| group.iter().map(|member| work(member)).collect();
     run_together(members, journal, threads, observer, NonZeroUsize::MIN, work)
 }
@@ -61,11 +61,23 @@ pub fn run_together<M: Member>(
     observer: &impl StudyObserver<M>,
     together: NonZeroUsize,
     work: impl Fn(&[&M]) -> Vec<Result<Vec<M::Row>, Cause>> + Sync,
-) -> Result<StudyReport<M::Row>, StudyError> {
+) -> Result<StudyReport<Vec<M::Row>>, StudyError> {
     if let Some(name) = twice(members) {
         return Err(StudyError::SameName { name: name.to_owned() });
     }
-    run_in_parts(members, journal, threads, observer, together, work)
+    let last_table = Mutex::new(Stopwatch::start());
+    let table = || {
+        let mut last = last_table.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.elapsed() > TABLE_EVERY {
+            *last = Stopwatch::start();
+            observer.table(&journal.rows(members)?).map_err(StudyError::Observer)?;
+        }
+        Ok(())
+    };
+    let report: StudyReport<Vec<M::Row>> =
+        run_in_parts(members, journal, threads, observer, together, (work, table))?;
+    observer.table(&report.rows).map_err(StudyError::Observer)?;
+    Ok(report)
 }
 
 /// The members of a study, of which no two have one name. Those of a large study are made in parts, so that they take little memory.
@@ -108,15 +120,19 @@ impl<M> Members<M> for [M] {
 const PART: usize = 1 << 16;
 const GROUPS_A_PART: usize = 16;
 
-/// Does what [`run_together`] does, for members that are made in parts.
-pub(super) fn run_in_parts<M: Member>(
+/// Does what [`run_together`] does, for members that are made in parts, with rows in any collection;
+/// `recorded` is called after each group.
+pub(super) fn run_in_parts<M: Member, C: Default + Extend<M::Row>>(
     members: &(impl Members<M> + Sync + ?Sized),
     journal: &Journal<M>,
     threads: &Threads,
     observer: &impl StudyObserver<M>,
     together: NonZeroUsize,
-    work: impl Fn(&[&M]) -> Vec<Result<Vec<M::Row>, Cause>> + Sync,
-) -> Result<StudyReport<M::Row>, StudyError> {
+    (work, recorded): (
+        impl Fn(&[&M]) -> Vec<Result<Vec<M::Row>, Cause>> + Sync,
+        impl Fn() -> Result<(), StudyError> + Sync,
+    ),
+) -> Result<StudyReport<C>, StudyError> {
     let count = members.count();
     let size = PART.max(GROUPS_A_PART * threads.count() * together.get());
     let parts =
@@ -133,14 +149,6 @@ pub(super) fn run_in_parts<M: Member>(
         observer.changed(changed);
     }
     observer.begins(resumed, count);
-    let finished = || {
-        let mut rows = Vec::with_capacity(count);
-        for part in parts() {
-            rows.extend(journal.rows(&part)?);
-        }
-        Ok::<_, StudyError>(rows)
-    };
-    let last_table = Mutex::new(Stopwatch::start());
     let group = |group: &[&M]| {
         let keys: Vec<Option<String>> = group.iter().map(|member| member.key()).collect();
         let answers = guarded(group, &work);
@@ -155,11 +163,7 @@ pub(super) fn run_in_parts<M: Member>(
         for (member, _, rows) in &done {
             goes_on &= observer.finished(member, rows);
         }
-        let mut last = last_table.lock().unwrap_or_else(PoisonError::into_inner);
-        if observer.wants_tables() && last.elapsed() > TABLE_EVERY {
-            *last = Stopwatch::start();
-            observer.table(&finished()?).map_err(StudyError::Observer)?;
-        }
+        recorded()?;
         if goes_on { Ok(()) } else { Err(End::Stopped) }
     };
     let end = parts().try_for_each(|part| {
@@ -171,8 +175,10 @@ pub(super) fn run_in_parts<M: Member>(
         Err(End::Stopped) => true,
         Err(End::Failed(error)) => return Err(error),
     };
-    let rows = finished()?;
-    observer.table(&rows).map_err(StudyError::Observer)?;
+    let mut rows = C::default();
+    for part in parts() {
+        rows.extend(journal.rows(&part)?);
+    }
     Ok(StudyReport { resumed, stopped, rows })
 }
 
@@ -301,7 +307,9 @@ mod tests {
                 }
             };
             let work = |group: &[&Number]| group.iter().map(square).collect();
-            run_in_parts(&numbers, &journal, &threads, &begins, together, work).unwrap()
+            let work = (work, || Ok(()));
+            let report = run_in_parts(&numbers, &journal, &threads, &begins, together, work);
+            report.unwrap() as StudyReport<Vec<Square>>
         };
         assert!(run(PART + 300).stopped);
         let report = run(usize::MAX);

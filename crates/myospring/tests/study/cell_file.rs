@@ -131,10 +131,10 @@ fn studies_vary_its_constants_and_find_how_much_each_counts() {
         let rows = run(&study, &common, whole, &journal, &threads, &()).unwrap().rows;
         let answer = Answer::new(&study, &common.units, rows);
         let mut seen = BTreeMap::new();
-        for row in answer.rows() {
+        for row in answer.rows().iter() {
             let values = &study.members(whole)[row.member - 1].values;
             // The membrane does not know of the myofilaments; parameters are in alphabetical order.
-            let apd = row.metrics[1].unwrap();
+            let apd = row.metric(1).unwrap();
             assert_eq!(*seen.entry(values[1].to_bits()).or_insert(apd), apd, "{kind}");
         }
         assert!(seen.len() > 8, "{kind}: {}", seen.len());

@@ -104,7 +104,7 @@ fn squares(
     numbers: &[Number],
     journal: &Journal<Number>,
     observer: &impl StudyObserver<Number>,
-) -> StudyReport<Square> {
+) -> StudyReport<Vec<Square>> {
     study::run(numbers, journal, &threads(1), observer, square).unwrap()
 }
 

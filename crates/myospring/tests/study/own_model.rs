@@ -126,12 +126,12 @@ fn studies_vary_its_parameters_with_a_mesh_and_without() {
         let rows = run(&study, &common, whole, &journal, &threads, &()).unwrap().rows;
         let answer = Answer::new(&study, &common.units, rows);
         assert_eq!(common.usual[1].map(|apd| apd > 100.0), Some(true), "{kind}");
-        for row in answer.rows() {
+        for row in answer.rows().iter() {
             // Its tension is in proportion to T_max, and its membrane does not know of it.
             let factor = study.members(whole)[row.member - 1].values[0] / 60.0;
-            let peak = row.metrics[0].unwrap() / common.usual[0].unwrap();
+            let peak = row.metric(0).unwrap() / common.usual[0].unwrap();
             assert!((peak / factor - 1.0).abs() < 1e-9, "{kind}: {peak} and {factor}");
-            assert_eq!(row.metrics[1], common.usual[1], "{kind}");
+            assert_eq!(row.metric(1), common.usual[1], "{kind}");
         }
     }
 }

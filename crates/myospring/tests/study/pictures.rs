@@ -21,7 +21,11 @@ fn picture(file: &Path, middle: f64) {
     png::Encoder::new(file, 240, 120).write_header().unwrap().write_image_data(&pixels).unwrap();
 }
 
-fn beaten(folder: &Path, which: ChosenCell, journal: &Journal<Picture>) -> StudyReport<CellRow> {
+fn beaten(
+    folder: &Path,
+    which: ChosenCell,
+    journal: &Journal<Picture>,
+) -> StudyReport<Vec<CellRow>> {
     let names = ["whole.png", "cut.png", "missing.png"];
     let members =
         names.map(|name| Picture::new(name.to_owned(), folder.join("pictures").join(name)));

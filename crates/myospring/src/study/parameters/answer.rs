@@ -1,13 +1,15 @@
 //! The results of all members of a study.
 
+use super::super::Status;
 use super::super::sampling::Sampler;
 use super::super::sensitivity::{Index, Pair, SensitivityError, morris, sobol};
-use super::super::{Row as _, Status};
 use super::description::{Design, ParameterStudy};
 use super::error::ParameterStudyError;
 use super::member::VariationRow;
+use super::rows::{MemberRow, Rows};
 use crate::output::table::{Column, Table, column_name};
 use serde::Serialize;
+use std::ops::Range;
 
 /// Rows that are written at a time.
 const PIECE: usize = 1 << 14;
@@ -16,7 +18,7 @@ const PIECE: usize = 1 << 14;
 pub struct Answer<'a> {
     pub(super) study: &'a ParameterStudy,
     pub(super) units: &'a [&'static str],
-    pub(super) rows: Vec<VariationRow>,
+    pub(super) rows: Rows,
 }
 
 /// How many members are kept, and what rejects the others.
@@ -161,8 +163,8 @@ impl Place {
     }
 }
 
-fn lies(row: &VariationRow, at: usize, [low, high]: [f64; 2]) -> Place {
-    match row.metrics.get(at).copied().flatten() {
+fn lies(row: MemberRow<'_>, at: usize, [low, high]: [f64; 2]) -> Place {
+    match row.metric(at) {
         Some(value) if value < low => Place::Below,
         Some(value) if value > high => Place::Above,
         Some(value) if value.is_finite() => Place::Inside,
@@ -172,14 +174,8 @@ fn lies(row: &VariationRow, at: usize, [low, high]: [f64; 2]) -> Place {
 
 impl<'a> Answer<'a> {
     /// From the available rows, in any order; `units` are those of the metrics.
-    pub fn new(
-        study: &'a ParameterStudy,
-        units: &'a [&'static str],
-        mut rows: Vec<VariationRow>,
-    ) -> Self {
-        rows.sort_by_key(|row| row.member);
-        rows.dedup_by_key(|row| row.member);
-        Self { study, units, rows }
+    pub fn new(study: &'a ParameterStudy, units: &'a [&'static str], rows: Rows) -> Self {
+        Self { study, units, rows: rows.sorted() }
     }
 
     /// From the rows of a table that [`Answer::table`] gave and CSV stored.
@@ -207,7 +203,7 @@ impl<'a> Answer<'a> {
         let metrics: Vec<usize> = metrics
             .map(|(name, unit)| place(&column_name(name, unit)))
             .collect::<Result<_, _>>()?;
-        let mut rows = Vec::new();
+        let mut rows = Rows::default();
         for record in reader.records() {
             let record = record.map_err(|error| wrong(error.to_string()))?;
             let text = |at: usize| record.get(at).unwrap_or_default();
@@ -221,19 +217,19 @@ impl<'a> Answer<'a> {
                 wrong(format!("line {line} is no member of this study; run it, or name its folder"))
             })?;
             let value = |&at: &usize| text(at).parse().ok();
-            rows.push(match text(status) {
+            rows.extend([match text(status) {
                 "ok" => VariationRow {
                     reason: text(reason).to_owned(),
                     ..VariationRow::done(member, metrics.iter().map(value).collect())
                 },
                 _ => super::super::Row::failed(&member.to_string(), text(reason).to_owned()),
-            });
+            }]);
         }
         Ok(Self::new(study, units, rows))
     }
 
     /// The rows, in the order of the members.
-    pub fn rows(&self) -> &[VariationRow] {
+    pub fn rows(&self) -> &Rows {
         &self.rows
     }
 
@@ -243,8 +239,8 @@ impl<'a> Answer<'a> {
     }
 
     /// Whether a member's metrics lie in every band.
-    pub fn is_kept(&self, row: &VariationRow) -> bool {
-        row.status() == Status::Ok && self.bands().all(|(at, band)| lies(row, at, band).is_inside())
+    pub fn is_kept(&self, row: MemberRow<'_>) -> bool {
+        row.status == Status::Ok && self.bands().all(|(at, band)| lies(row, at, band).is_inside())
     }
 
     /// The metrics with a band, by their places.
@@ -255,8 +251,7 @@ impl<'a> Answer<'a> {
 
     /// How many members are kept, and what rejects the others.
     pub fn acceptance(&self) -> Acceptance {
-        let beat: Vec<&VariationRow> =
-            self.rows.iter().filter(|row| row.status() == Status::Ok).collect();
+        let beat = || self.rows.iter().filter(|row| row.status == Status::Ok);
         let bands: Vec<(usize, [f64; 2])> = self.bands().collect();
         let of = |&(at, band): &(usize, [f64; 2])| {
             let mut of = Rejected {
@@ -269,7 +264,7 @@ impl<'a> Answer<'a> {
                 alone: 0,
                 found: None,
             };
-            for row in &beat {
+            for row in beat() {
                 let count = match lies(row, at, band) {
                     Place::Inside => continue,
                     Place::Below => &mut of.below,
@@ -281,40 +276,40 @@ impl<'a> Answer<'a> {
                 let others = others.all(|&(at, band)| lies(row, at, band).is_inside());
                 of.alone += usize::from(others);
             }
-            let mut values: Vec<f64> =
-                beat.iter().filter_map(|row| *row.metrics.get(at)?).collect();
+            let mut values: Vec<f64> = beat().filter_map(|row| row.metric(at)).collect();
             values.sort_by(f64::total_cmp);
             let part = |part: f64| values[(part * (values.len() - 1) as f64).round() as usize];
             of.found = (!values.is_empty()).then(|| [0.05, 0.5, 0.95].map(part));
             of
         };
         Acceptance {
-            beat: beat.len(),
-            kept: self.rows.iter().filter(|row| self.is_kept(row)).count(),
-            failed: self.rows.iter().filter(|row| row.status() == Status::Failed).count(),
-            not_captured: beat.iter().filter(|row| !row.reason.is_empty()).count(),
+            beat: beat().count(),
+            kept: self.rows.iter().filter(|row| self.is_kept(*row)).count(),
+            failed: self.rows.iter().filter(|row| row.status == Status::Failed).count(),
+            not_captured: beat().filter(|row| !row.reason.is_empty()).count(),
             bands: bands.iter().map(of).collect(),
         }
     }
 
     /// One row per member: its values, metrics and status.
     pub fn table(&self) -> Table {
-        self.piece(&self.rows)
+        self.piece(0..self.rows.len())
     }
 
     /// The table in pieces of some 16 000 rows, one below the other: at least one.
     pub fn pieces(&self) -> impl Iterator<Item = Table> {
-        let rest = self.rows.chunks(PIECE).skip(1);
-        let first = &self.rows[..PIECE.min(self.rows.len())];
-        std::iter::once(first).chain(rest).map(|rows| self.piece(rows))
+        let count = self.rows.len();
+        let starts = (0..count.max(1)).step_by(PIECE);
+        starts.map(move |start| self.piece(start..count.min(start + PIECE)))
     }
 
-    fn piece(&self, rows: &[VariationRow]) -> Table {
-        let number = |name: String, value: &dyn Fn(&VariationRow) -> Option<f64>| Column::Number {
+    fn piece(&self, places: Range<usize>) -> Table {
+        let rows: Vec<MemberRow<'_>> = places.filter_map(|at| self.rows.get(at)).collect();
+        let number = |name: String, value: &dyn Fn(&MemberRow<'_>) -> Option<f64>| Column::Number {
             name,
             values: rows.iter().map(value).collect(),
         };
-        let text = |name: &str, value: &dyn Fn(&VariationRow) -> String| Column::Text {
+        let text = |name: &str, value: &dyn Fn(&MemberRow<'_>) -> String| Column::Text {
             name: name.to_owned(),
             values: rows.iter().map(|row| Some(value(row))).collect(),
         };
@@ -326,13 +321,13 @@ impl<'a> Answer<'a> {
             columns.push(Column::Number { name, values });
         }
         for (at, (name, unit)) in self.study.metrics.iter().zip(self.units).enumerate() {
-            columns.push(number(column_name(name, unit), &|row| *row.metrics.get(at)?));
+            columns.push(number(column_name(name, unit), &|row| row.metric(at)));
         }
         if !self.study.keep.is_empty() {
-            columns.push(text("kept", &|row| self.is_kept(row).to_string()));
+            columns.push(text("kept", &|row| self.is_kept(*row).to_string()));
         }
         columns.push(text("status", &|row| row.status.to_string()));
-        columns.push(text("reason", &|row| row.reason.clone()));
+        columns.push(text("reason", &|row| row.reason.to_owned()));
         Table { columns }
     }
 
@@ -351,8 +346,7 @@ impl<'a> Answer<'a> {
             if !self.is_whole() {
                 break;
             }
-            let value =
-                |row: &VariationRow| row.metrics.get(at).copied().flatten().unwrap_or(f64::NAN);
+            let value = |row: MemberRow<'_>| row.metric(at).unwrap_or(f64::NAN);
             let answers: Vec<f64> = self.rows.iter().map(value).collect();
             let constant = || answers.iter().all(|answer| *answer == answers[0]);
             if constant() {

@@ -328,7 +328,8 @@ impl ParameterStudy {
     /// let metrics = vec!["peak_shortening".to_owned()];
     /// let study = ParameterStudy::of_rows(file, vec![tension], metrics, vec![vec![20.0], vec![50.0]])?;
     /// let common = Common::new(&study, |file| std::fs::read(file))?;
-    /// let rows = run(&study, &common, Shard::WHOLE, &Journal::in_memory(), &Threads::new(None)?, &())?.rows;
+    /// let (journal, threads) = (Journal::in_memory(), Threads::new(None)?);
+    /// let rows: Vec<_> = run(&study, &common, Shard::WHOLE, &journal, &threads, &())?.rows;
     /// assert!(rows[0].metrics[0] < rows[1].metrics[0]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

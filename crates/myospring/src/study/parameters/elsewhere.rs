@@ -61,12 +61,12 @@ impl ParameterStudy {
     ///
     /// # Errors
     /// A journal that cannot be read.
-    pub fn noted(
+    pub fn noted<C: Default + Extend<VariationRow>>(
         &self,
         part: Shard,
         journal: &Journal<Variation>,
-    ) -> Result<Vec<VariationRow>, StudyError> {
-        let mut rows = Vec::new();
+    ) -> Result<C, StudyError> {
+        let mut rows = C::default();
         for members in self.in_turn(part, AT_ONCE) {
             rows.extend(journal.rows(&members)?);
         }

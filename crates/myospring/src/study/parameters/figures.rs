@@ -4,7 +4,7 @@ use super::super::sampling::Sampler;
 use super::super::{Status, StudyError};
 use super::answer::{Answer, Ranked, Sensitivity};
 use super::description::{Design, Varied};
-use super::member::VariationRow;
+use super::rows::MemberRow;
 use super::traces::TRACES;
 use super::work::Common;
 use crate::output::figure::{
@@ -51,9 +51,10 @@ impl Answer<'_> {
             add("sensitivity".to_owned(), rankings(&bars));
         }
         let kept: Option<Vec<bool>> = (!self.study.keep.is_empty())
-            .then(|| members.iter().map(|row| self.is_kept(row)).collect());
-        let metrics: Vec<Numbers> =
-            (0..self.study.metrics.len()).map(|at| self.metric(at, &members)).collect();
+            .then(|| members.iter().map(|row| self.is_kept(*row)).collect());
+        let metrics: Vec<Numbers> = (0..self.study.metrics.len())
+            .map(|at| self.metric(at, members.iter().copied()))
+            .collect();
         let band = |at: usize| self.study.keep.get(&self.study.metrics[at]).map(|band| band.0);
         let there = |at: &usize| differ(&metrics[*at].values);
         let there: Vec<usize> = (0..metrics.len()).filter(there).collect();
@@ -91,8 +92,8 @@ impl Answer<'_> {
                         .iter()
                         .zip(0..)
                         .map(|(&column, place)| {
-                            let of = |row: &&&VariationRow| (row.member - 1) / levels == place;
-                            let rows: Vec<&VariationRow> =
+                            let of = |row: &&MemberRow<'_>| (row.member - 1) / levels == place;
+                            let rows: Vec<MemberRow<'_>> =
                                 members.iter().filter(of).copied().collect();
                             self.response(column, at, &rows)
                         })
@@ -134,7 +135,7 @@ impl Answer<'_> {
     ) -> Result<Option<Drawn>, StudyError> {
         let Some(axes) = &common.axes else { return Ok(None) };
         let kept: Vec<usize> =
-            self.rows.iter().filter(|row| self.is_kept(row)).map(|row| row.member).collect();
+            self.rows.iter().filter(|row| self.is_kept(*row)).map(|row| row.member).collect();
         if kept.is_empty() {
             return Ok(None);
         }
@@ -176,22 +177,21 @@ impl Answer<'_> {
     }
 
     /// Members that beat, evenly from all where there are very many.
-    fn drawn(&self) -> Vec<&VariationRow> {
+    fn drawn(&self) -> Vec<MemberRow<'_>> {
         let beat = self.rows.iter().filter(|row| row.status == Status::Ok);
         let count = beat.clone().count();
         beat.step_by(count.div_ceil(MEMBERS).max(1)).collect()
     }
 
-    fn metric(&self, at: usize, members: &[&VariationRow]) -> Numbers {
-        let value = |row: &&VariationRow| row.metrics.get(at).copied().flatten();
+    fn metric<'a>(&self, at: usize, members: impl Iterator<Item = MemberRow<'a>>) -> Numbers {
         Numbers {
             label: labelled(&words(&self.study.metrics[at]), self.units.get(at).unwrap_or(&"")),
-            values: members.iter().map(|row| value(row).unwrap_or(f64::NAN)).collect(),
+            values: members.map(|row| row.metric(at).unwrap_or(f64::NAN)).collect(),
         }
     }
 
-    fn parameters(&self, columns: &[usize], members: &[&VariationRow]) -> Vec<(usize, Numbers)> {
-        let of = |row: &&VariationRow| self.study.values.of(row.member);
+    fn parameters(&self, columns: &[usize], members: &[MemberRow<'_>]) -> Vec<(usize, Numbers)> {
+        let of = |row: &MemberRow<'_>| self.study.values.of(row.member);
         let rows: Vec<_> = members.iter().map(of).collect();
         let column = |&at: &usize| {
             let value = |row: &Option<Cow<'_, [f64]>>| row.as_ref()?.get(at).copied();
@@ -201,7 +201,7 @@ impl Answer<'_> {
         columns.iter().map(column).collect()
     }
 
-    fn value(&self, row: &VariationRow, at: usize) -> f64 {
+    fn value(&self, row: &MemberRow<'_>, at: usize) -> f64 {
         let values = self.study.values.of(row.member);
         values.and_then(|values| values.get(at).copied()).unwrap_or(f64::NAN)
     }
@@ -227,13 +227,13 @@ impl Answer<'_> {
         order.into_iter().take(PARAMETERS).map(|(_, numbers)| numbers.clone()).collect()
     }
 
-    fn response(&self, column: usize, metric: usize, rows: &[&VariationRow]) -> MemberResponse {
-        let value = |row: &&VariationRow| row.metrics.get(metric).copied().flatten();
-        let point = |row: &&VariationRow| [self.value(row, column), value(row).unwrap_or(f64::NAN)];
+    fn response(&self, column: usize, metric: usize, rows: &[MemberRow<'_>]) -> MemberResponse {
+        let point =
+            |row: &MemberRow<'_>| [self.value(row, column), row.metric(metric).unwrap_or(f64::NAN)];
         let usual = self.study.run.resolve().ok();
         MemberResponse {
             parameter: label(&self.study.varied[column]),
-            metric: self.metric(metric, &[]).label,
+            metric: self.metric(metric, std::iter::empty()).label,
             points: rows.iter().map(point).collect(),
             usual: usual.and_then(|run| self.study.varied[column].number.get(&run)),
             band: self.study.keep.get(&self.study.metrics[metric]).map(|band| band.0),
@@ -250,8 +250,7 @@ impl Answer<'_> {
             values.dedup();
             values
         });
-        let all: Vec<&VariationRow> = self.rows.iter().collect();
-        let metrics = metrics.iter().map(|&at| self.metric(at, &all));
+        let metrics = metrics.iter().map(|&at| self.metric(at, self.rows.iter()));
         ResponseMap {
             parameters: columns.map(|column| label(&self.study.varied[column])),
             values,

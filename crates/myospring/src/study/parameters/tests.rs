@@ -124,7 +124,8 @@ fn rows_are_the_same_whatever_the_threads_the_shards_and_the_interruptions() {
     let common = Common::new(&study, no_file).unwrap();
     let threads = Threads::new(Some(1)).unwrap();
     let open = || Journal::open(folder.path(), &study.settings(&common)).unwrap();
-    run(&study, &common, Shard { part: 1, of: 3 }, &open(), &threads, &()).unwrap();
+    let part = Shard { part: 1, of: 3 };
+    run::<Vec<_>>(&study, &common, part, &open(), &threads, &()).unwrap();
     let path = folder.path().join("progress.jsonl");
     let bytes = std::fs::read(&path).unwrap();
     std::fs::write(&path, &bytes[..bytes.len() - 30]).unwrap();
@@ -146,7 +147,8 @@ fn what_causes_the_variance_is_ranked_first() {
         pairs = true",
     );
     let common = Common::new(&study, no_file).unwrap();
-    let answer = Answer::new(&study, &common.units, rows(&study, Shard::WHOLE, 2));
+    let answer =
+        Answer::new(&study, &common.units, rows(&study, Shard::WHOLE, 2).into_iter().collect());
     let found = answer.sensitivity().unwrap();
     let of = |metric: &str| found.iter().find(|one| one.metric == metric).unwrap();
     let duration = of("action_potential_duration_90");
@@ -176,9 +178,10 @@ fn members_outside_the_bands_are_not_kept_and_those_that_fail_are_rows() {
         peak_shortening = [5, 30]",
     );
     let common = Common::new(&study, no_file).unwrap();
-    let answer = Answer::new(&study, &common.units, rows(&study, Shard::WHOLE, 2));
-    let last = &answer.rows()[4];
-    assert_eq!(last.status(), Status::Failed);
+    let answer =
+        Answer::new(&study, &common.units, rows(&study, Shard::WHOLE, 2).into_iter().collect());
+    let last = answer.rows().get(4).unwrap();
+    assert_eq!(last.status, Status::Failed);
     assert!(last.reason.contains("600 kPa") && last.reason.contains("500 kPa"), "{}", last.reason);
     let counted = answer.acceptance();
     assert_eq!((counted.beat, counted.failed), (4, 1));
@@ -332,7 +335,8 @@ fn rows_from_elsewhere_are_those_of_the_study_itself() {
     drop(journal);
     let journal = open();
     assert_eq!(study.left(part, &journal), [8, 11, 14, 17, 20, 23]);
-    assert_eq!(study.noted(part, &journal).unwrap(), [whole[1].clone(), whole[4].clone()]);
+    let noted: Vec<VariationRow> = study.noted(part, &journal).unwrap();
+    assert_eq!(noted, [whole[1].clone(), whole[4].clone()]);
     let report = run(&study, &common, Shard::WHOLE, &journal, &Threads::new(None).unwrap(), &());
     let report = report.unwrap();
     assert_eq!((report.resumed, report.rows), (2, whole));
@@ -398,7 +402,7 @@ fn curves_are_those_of_the_members_and_change_no_row() {
         let common = Common::new(&with, no_file).unwrap();
         let part = Shard { part: 2, of: 2 };
         let common = common.keeping_traces(folder.path(), part).unwrap();
-        let rows_with =
+        let rows_with: Vec<VariationRow> =
             run(&with, &common, part, &Journal::in_memory(), &threads, &()).unwrap().rows;
         let numbers = |row: &VariationRow| VariationRow { curves: String::new(), ..row.clone() };
         let numbers: Vec<VariationRow> = rows_with.iter().map(numbers).collect();
@@ -542,7 +546,7 @@ fn a_study_whose_files_were_damaged_gives_the_results_of_an_undisturbed_one_or_a
         let common = Common::new(&study, no_file).unwrap();
         let journal = Journal::open(folder, &settings)?;
         let common = common.keeping_traces(folder, Shard::WHOLE)?;
-        let report = run(&study, &common, Shard::WHOLE, &journal, &threads, &())?;
+        let report = run::<Vec<_>>(&study, &common, Shard::WHOLE, &journal, &threads, &())?;
         Ok::<_, crate::study::StudyError>((report, journal.damaged()))
     };
     let undisturbed = tempfile::tempdir().unwrap();
