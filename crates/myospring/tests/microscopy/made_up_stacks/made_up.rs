@@ -157,12 +157,18 @@ fn blurred(values: &[f32], count: usize, stride: usize, sigma: f64) -> Vec<f32> 
     let weight = |at: usize| (-0.5 * ((at as f64 - reach as f64) / sigma).powi(2)).exp() as f32;
     let weights: Vec<f32> = (0..=2 * reach).map(weight).collect();
     let sum: f32 = weights.iter().sum();
+    let weights: Vec<f32> = weights.iter().map(|weight| weight / sum).collect();
     let mut result = vec![0.0; values.len()];
-    for (at, result) in result.iter_mut().enumerate() {
-        let place = at / stride % count;
-        let start = at - place * stride;
-        for from in place.saturating_sub(reach)..(place + reach + 1).min(count) {
-            *result += weights[from + reach - place] / sum * values[start + from * stride];
+    let lines = values.chunks_exact(count * stride).zip(result.chunks_exact_mut(count * stride));
+    for (values, result) in lines {
+        for (place, result) in result.chunks_exact_mut(stride).enumerate() {
+            for from in place.saturating_sub(reach)..(place + reach + 1).min(count) {
+                let weight = weights[from + reach - place];
+                let values = &values[from * stride..(from + 1) * stride];
+                for (result, value) in result.iter_mut().zip(values) {
+                    *result += weight * value;
+                }
+            }
         }
     }
     result
