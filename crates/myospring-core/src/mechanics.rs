@@ -33,7 +33,7 @@ pub mod lattice_law;
 pub mod loaded_end;
 pub mod material;
 pub mod post;
-mod runs;
+pub(crate) mod runs;
 pub mod spring;
 pub mod stability;
 pub mod stiffness;

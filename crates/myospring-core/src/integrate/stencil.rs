@@ -36,6 +36,7 @@ pub use lanes::Units;
 use plan::{BLOCK, Plan};
 
 use super::stepper::StepError;
+use crate::mechanics::runs::Run;
 use crate::mechanics::support::Support;
 use crate::mechanics::{Body, System, Vectors};
 use crate::mesh::Lattice;
@@ -131,8 +132,9 @@ impl<const D: usize> Stencil<D> {
         }
         let rows = positions.iter().chain(half_velocities).enumerate();
         for (component, values) in rows {
-            for (place, value) in plan.places.iter().zip(values) {
-                state[place + component * plan.stride] = *value;
+            for &Run { nodes: [place], first, len } in &plan.places {
+                state[place + component * plan.stride..][..len]
+                    .copy_from_slice(&values[first..][..len]);
             }
         }
     }
@@ -160,8 +162,9 @@ impl<const D: usize> Stencil<D> {
         // A row of `seen` is half as long as one of the state.
         let half = plan.row_len / 2;
         for (axis, values) in velocities.iter_mut().enumerate() {
-            for (place, value) in plan.places.iter().zip(values) {
-                *value = seen[place - place / plan.row_len * half + axis * plan.stride];
+            for &Run { nodes: [place], first, len } in &plan.places {
+                let from = place - place / plan.row_len * half + axis * plan.stride;
+                values[first..][..len].copy_from_slice(&seen[from..][..len]);
             }
         }
         Ok(())
@@ -172,8 +175,9 @@ impl<const D: usize> Stencil<D> {
         let (plan, state, _) = self.team.parts();
         let rows = positions.iter_mut().chain(half_velocities).enumerate();
         for (component, values) in rows {
-            for (place, value) in plan.places.iter().zip(values) {
-                *value = state[place + component * plan.stride];
+            for &Run { nodes: [place], first, len } in &plan.places {
+                let from = place + component * plan.stride;
+                values[first..][..len].copy_from_slice(&state[from..][..len]);
             }
         }
     }

@@ -17,7 +17,7 @@ use super::force::{Configuration, Force};
 use super::lattice_law::LatticeLaw;
 use super::runs::{self, LONGEST, Run, vectorised};
 use super::stiffness::StiffnessMatrix;
-use super::vectors::{Vectors, sum};
+use super::vectors::Vectors;
 use crate::mesh::Mesh;
 use crate::mesh::simplex::measure_at;
 use serde::Serialize;
@@ -99,6 +99,27 @@ impl AreaPreservation {
         }
     }
 
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "it must be compiled anew for each vector unit")]
+    fn gradient_energy(&self, [x, y]: &Vectors) -> f64 {
+        let (mut total, mut buffer) = (0.0, [0.0; LONGEST]);
+        for &Run { nodes: [a, b, c], first, len } in &self.runs {
+            let (xa, xb, xc) = (&x[a..a + len], &x[b..b + len], &x[c..c + len]);
+            let (ya, yb, yc) = (&y[a..a + len], &y[b..b + len], &y[c..c + len]);
+            let rest_area = &self.rest_area[first..first + len];
+            let stiffness = &self.stiffness[first..first + len];
+            let values = &mut buffer[..len];
+            for (k, value) in values.iter_mut().enumerate() {
+                let (ux, uy) = (xb[k] - xa[k], yb[k] - ya[k]);
+                let (wx, wy) = (xc[k] - xa[k], yc[k] - ya[k]);
+                let deviation = 0.5 * (ux * wy - uy * wx) - rest_area[k];
+                *value = 0.5 * stiffness[k] * deviation * deviation;
+            }
+            total += runs::sum(values);
+        }
+        total
+    }
+
     fn add_towards_barycentre(&self, at: &Configuration<'_>, forces: &mut Vectors) {
         let printed = self.law == AreaLaw::Printed;
         for (triangle, corners) in self.nodes.iter().enumerate() {
@@ -145,12 +166,12 @@ impl Force for AreaPreservation {
         if self.law != AreaLaw::Gradient {
             return None;
         }
-        let one = |triangle: usize| {
-            let deviation =
-                measure_at(at.positions, self.nodes[triangle]) - self.rest_area[triangle];
-            0.5 * self.stiffness[triangle] * deviation * deviation
-        };
-        Some(sum(self.nodes.len(), one))
+        let mut total = 0.0;
+        vectorised(
+            #[inline(always)]
+            || total = self.gradient_energy(at.positions),
+        );
+        Some(total)
     }
 
     fn add_stiffness(&self, at: &Configuration<'_>, stiffness: &mut StiffnessMatrix) -> bool {

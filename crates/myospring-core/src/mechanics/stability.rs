@@ -13,7 +13,7 @@
 //! [`super::Force`]. The drag is treated implicitly and has no influence.
 
 use super::support::Support;
-use super::{Body, Configuration, System, Tension, Vectors, sum, zeros};
+use super::{Body, Configuration, System, Tension, Vectors, add_scaled, product, zeros};
 use crate::interruption::{Interrupted, Interruption};
 use std::array::from_fn;
 
@@ -133,16 +133,17 @@ fn shortest_scale<const D: usize>(body: &Body<D>) -> f64 {
     extent / if D == 2 { (body.len() as f64).sqrt() } else { (body.len() as f64).cbrt() }
 }
 
-/// Largest eigenvalue of `M^-1 A` and its vector (largest component scaled arbitrarily), by Lanczos
-/// in the inner product of the masses, with full reorthogonalisation.
+/// Largest eigenvalue of `M^-1 A` and its vector (largest component scaled arbitrarily), by Lanczos for
+/// the symmetric `M^-1/2 A M^-1/2`, with full reorthogonalisation.
 fn largest_eigenvalue<const D: usize>(
     apply: &dyn Fn(&Vectors<D>) -> Vectors<D>,
     masses: &[f64],
     interruption: &Interruption,
 ) -> Result<(f64, Vectors<D>), Interrupted> {
     let count = masses.len();
-    let inner = |a: &Vectors<D>, b: &Vectors<D>| -> f64 {
-        (0..D).map(|axis| sum(count, |i| masses[i] * a[axis][i] * b[axis][i])).sum()
+    let roots: Vec<f64> = masses.iter().map(|mass| mass.sqrt()).collect();
+    let over_roots = |v: &Vectors<D>| -> Vectors<D> {
+        from_fn(|axis| v[axis].iter().zip(&roots).map(|(x, root)| x / root).collect())
     };
     let scale = |v: &mut Vectors<D>, by: f64| v.iter_mut().flatten().for_each(|x| *x *= by);
     // A fixed, irregular start: fractional parts of multiples of the golden ratio.
@@ -150,10 +151,10 @@ fn largest_eigenvalue<const D: usize>(
     for axis in 0..D {
         for node in 0..count {
             let n = (D * node + axis + 1) as f64;
-            start[axis][node] = (n * 0.618_033_988_749_894_9).fract() - 0.5;
+            start[axis][node] = roots[node] * ((n * 0.618_033_988_749_894_9).fract() - 0.5);
         }
     }
-    let norm = inner(&start, &start).sqrt();
+    let norm = product(&start, &start).sqrt();
     scale(&mut start, 1.0 / norm);
     let mut basis = vec![start];
     let (mut diagonal, mut off) = (Vec::new(), Vec::new());
@@ -161,25 +162,16 @@ fn largest_eigenvalue<const D: usize>(
     for step in 1..=ITERATIONS.min(D * count) {
         interruption.check()?;
         let Some(current) = basis.last() else { break };
-        let mut next = apply(current);
-        for axis in &mut next {
-            for (value, mass) in axis.iter_mut().zip(masses) {
-                *value /= mass;
-            }
-        }
-        diagonal.push(inner(&next, current));
+        let mut next = over_roots(&apply(&over_roots(current)));
+        diagonal.push(product(&next, current));
         // The latest vector first: its component is the largest, and its errors along the others
         // are removed with them. In the opposite order these errors would grow from step to step if
         // all eigenvalues are close, as for a stiff elastic bed.
         for vector in basis.iter().rev() {
-            let part = inner(&next, vector);
-            for axis in 0..D {
-                for node in 0..count {
-                    next[axis][node] -= part * vector[axis][node];
-                }
-            }
+            let part = product(&next, vector);
+            add_scaled(&mut next, -part, vector);
         }
-        let norm = inner(&next, &next).sqrt();
+        let norm = product(&next, &next).sqrt();
         let size = diagonal.iter().fold(f64::MIN_POSITIVE, |a: f64, b: &f64| a.max(b.abs()));
         if norm.is_nan() || norm <= 1e-7 * size {
             break;
@@ -205,13 +197,9 @@ fn largest_eigenvalue<const D: usize>(
     }
     let mut mode = zeros(count);
     for (weight, vector) in weights.iter().zip(&basis) {
-        for axis in 0..D {
-            for node in 0..count {
-                mode[axis][node] += weight * vector[axis][node];
-            }
-        }
+        add_scaled(&mut mode, *weight, vector);
     }
-    Ok((lambda, mode))
+    Ok((lambda, over_roots(&mode)))
 }
 
 /// Largest eigenvalue of a symmetric tridiagonal matrix by bisection on its Sturm sequence.

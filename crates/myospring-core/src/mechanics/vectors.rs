@@ -24,7 +24,19 @@ pub(crate) fn sum(count: usize, term: impl Fn(usize) -> f64) -> f64 {
 
 /// Scalar product of the vectors of all nodes.
 pub(crate) fn product<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
-    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
+    a.iter().zip(b).map(|(a, b)| sum_of_products(a, b)).sum()
+}
+
+/// Scalar product of two rows of numbers, in eight partial sums.
+pub(crate) fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
+    let (mut sums, (a, b)) = ([0.0; 8], (a.chunks_exact(8), b.chunks_exact(8)));
+    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a.zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    rest + sums.iter().sum::<f64>()
 }
 
 /// Largest absolute value; NaN if one is NaN.
@@ -37,8 +49,10 @@ pub(crate) fn largest<const D: usize>(vectors: &Vectors<D>) -> f64 {
 
 /// Adds a multiple of the vectors of all nodes to others.
 pub(crate) fn add_scaled<const D: usize>(sum: &mut Vectors<D>, factor: f64, other: &Vectors<D>) {
-    for (sum, other) in sum.iter_mut().flatten().zip(other.iter().flatten()) {
-        *sum += factor * other;
+    for (sum, other) in sum.iter_mut().zip(other) {
+        for (sum, other) in sum.iter_mut().zip(other) {
+            *sum += factor * other;
+        }
     }
 }
 

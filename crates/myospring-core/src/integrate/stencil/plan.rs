@@ -4,6 +4,8 @@
 //! in y, in z and in both are in the rows `r + 1`, `r + J` and `r + J + 1`, with `J` rows in a layer. Springs that
 //! would go from the last row of a layer to the first of the next have no stiffness.
 
+use crate::mechanics::runs::Run;
+
 /// Squares or cubes that share a record; the widest vector.
 pub(super) const BLOCK: usize = 8;
 
@@ -88,13 +90,19 @@ pub(super) struct Plan {
     pub(super) anchors: Vec<Block>,
     /// Whether anything but springs and dashpots acts: an area or volume law, tension of fibres or springs to resting places.
     pub(super) laws: bool,
-    /// Offset of each node's x in the state.
-    pub(super) places: Vec<usize>,
+    /// Nodes that follow one another in a row: the offset of the first one's x in the state.
+    pub(super) places: Vec<Run<1>>,
     /// State of the lattice before any mass is put on it.
     pub(super) vacant: Vec<Block>,
 }
 
 impl Plan {
+    /// The offset of each node's x in the state.
+    #[cfg(test)]
+    pub(super) fn nodes(&self) -> impl Iterator<Item = usize> {
+        self.places.iter().flat_map(|run| run.nodes[0]..run.nodes[0] + run.len)
+    }
+
     /// The coefficients of a block that has its own.
     pub(super) fn record(&self, class: Class) -> *const f64 {
         self.records[(class.0 as usize - 2) * self.record_len..].as_ptr().cast()

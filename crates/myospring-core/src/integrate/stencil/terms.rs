@@ -2,6 +2,7 @@
 
 use super::plan::{BLOCK, Block, Class, Plan, Record};
 use crate::mechanics::lattice_law::LatticeLaw;
+use crate::mechanics::runs;
 use crate::mechanics::support::Support;
 use crate::mesh::Lattice;
 use crate::mesh::cubes::{TETRAHEDRA, TETRAHEDRA_OF_A_CUBE};
@@ -250,8 +251,9 @@ impl<const D: usize> LatticeTerms<D> {
         let row_len = 2 * D * stride;
         let places = self.cells.iter().map(|cell| {
             let place = self.place(*cell);
-            place / columns * row_len + place % columns
+            [(place / columns * row_len + place % columns) as u32]
         });
+        let places: Vec<[u32; 1]> = places.collect();
         let any = |values: &[f64]| values.iter().any(|value| *value != 0.0);
         let anchored = any(&self.anchors);
         let laws = anchored || any(&measure) || self.fibre.iter().any(|of| any(of));
@@ -284,7 +286,7 @@ impl<const D: usize> LatticeTerms<D> {
             slowing,
             anchors: if anchored { self.anchor_rows(stride) } else { Vec::new() },
             laws,
-            places: places.collect(),
+            places: runs::find(&places),
             vacant: self.vacant(rows + lag, stride),
         })
     }

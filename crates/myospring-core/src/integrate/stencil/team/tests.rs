@@ -38,7 +38,7 @@ fn team(threads: usize, hook: impl Fn(usize, &Claim<'_>) + Send + Sync + 'static
         hook: Some(Box::new(hook)),
     });
     let (plan, state, _) = team.parts();
-    for (node, &place) in plan.places.iter().enumerate() {
+    for (node, place) in plan.nodes().enumerate() {
         let (i, j) = ((node % 60) as f64, (node / 60) as f64);
         state[place] = i + 0.05 * (0.37 * i + 0.61 * j).sin();
         state[place + plan.stride] = j + 0.05 * (0.53 * i - 0.29 * j + 1.0).sin();
@@ -171,7 +171,7 @@ fn the_bits_are_the_same_in_whatever_order_the_pieces_are_done() {
             let board = Board::new(tiles.bands());
             // SAFETY: there is one thread.
             let values = unsafe { tiles.values().0 };
-            for (i, &place) in plan.places.iter().enumerate() {
+            for (i, place) in plan.nodes().enumerate() {
                 let (column, row) = ((i % 60) as f64, (i / 60) as f64);
                 values[place] = column + 0.05 * (0.7 * i as f64).sin();
                 values[place + plan.stride] = row + 0.05 * (0.9 * i as f64).cos();
