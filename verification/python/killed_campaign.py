@@ -1,4 +1,4 @@
-"""A study of many cells and a batch of many pictures, killed again and again: nothing is lost, and memory stays flat.
+"""A study of many cells and a batch of many pictures, killed again and again: nothing is lost, and memory grows little.
 
 usage: killed_campaign.py MYOSPRING [--cells N] [--pictures N] [--kills N] [--seed N]
 

@@ -14,9 +14,9 @@ Usage: cargo xtask endure [--quick | --for MINUTES] [--seed NUMBER] [--program P
 
 Ends the program (SIGKILL, SIGTERM, SIGINT, SIGHUP) at random moments of runs, films, fits, batches and studies, starts it again, and compares what it leaves
 with the results of a program that nobody disturbed, byte by byte. Starts two at once on one folder. Then it takes memory, descriptors
-and disk space away.
+and disk space away, and gives damaged files to each reader for a minute (ten minutes in all).
 
-  --quick           Each work is ended three times (two to three minutes)
+  --quick           Each work is ended three times (two to three minutes, before the damaged files)
   --for MINUTES     Goes on so long; 10 unless stated
   --seed NUMBER     Of the random moments; another each time unless given
   --program PATH    Path of the program; that which tests build unless stated
@@ -108,6 +108,10 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
     }
     let mut faults = faults::all(&place, &trials)?;
     faults.extend(trials.into_iter().flat_map(|trial| trial.faults));
+    let seed = options.seed.to_string();
+    let mut damaged = cargo(["run", "--release", "--locked", "-p", "myospring-verification"]);
+    damaged.args(["--example", "foreign_bytes", "--", "--for", "60", "--seed", &seed]);
+    faults.extend(step("damaged files", damaged).err());
     if faults.is_empty() {
         say("\nAll results were whole, and those made anew the same.\n");
         return Ok(());

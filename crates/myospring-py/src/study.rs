@@ -324,12 +324,9 @@ impl Study {
     /// Leaves the folder to others; what is done stays known.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let closed = py.detach(|| {
-            let mut progress = self.progress();
-            let rows: Rows = self.parameters.noted(Shard::WHOLE, &progress.journal)?;
-            if !rows.is_empty() {
-                progress.rows = rows;
-            }
-            progress.journal = Journal::in_memory();
+            let Progress { journal, rows, .. } = &mut *self.progress();
+            self.parameters.add_noted(Shard::WHOLE, journal, rows)?;
+            *journal = Journal::in_memory();
             Ok(())
         });
         closed.map_err(|error: StudyError| errors::of_journal(&error))
@@ -396,9 +393,7 @@ impl Study {
     fn answer(&self) -> Result<Answer<'_>, StudyError> {
         let progress = self.progress();
         let mut rows = progress.rows.clone();
-        if rows.is_empty() {
-            rows = self.parameters.noted(Shard::WHOLE, &progress.journal)?;
-        }
+        self.parameters.add_noted(Shard::WHOLE, &progress.journal, &mut rows)?;
         rows.extend(progress.lost.iter().cloned());
         Ok(Answer::new(&self.parameters, &self.common.units, rows))
     }

@@ -1,4 +1,4 @@
-//! Runs: consecutive springs (or triangles) whose nodes are consecutive too.
+//! Runs: consecutive springs, triangles or masses whose nodes or places are consecutive too.
 //!
 //! On a lattice numbered row by row, nearly all springs of one direction belong to such runs, so
 //! the inner loops of the forces read memory sequentially and the compiler can vectorise them. Any

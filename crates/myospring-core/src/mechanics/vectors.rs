@@ -28,7 +28,7 @@ pub(crate) fn product<const D: usize>(a: &Vectors<D>, b: &Vectors<D>) -> f64 {
 }
 
 /// Scalar product of two rows of numbers, in eight partial sums.
-pub(crate) fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
+fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
     let (mut sums, (a, b)) = ([0.0; 8], (a.chunks_exact(8), b.chunks_exact(8)));
     let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
     for (a, b) in a.zip(b) {

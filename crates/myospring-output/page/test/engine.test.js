@@ -24,7 +24,7 @@ const LONG = ["calcium_wave.toml", "tissue_scar.toml", "tissue_sheet.toml", "tis
 /** What rounding explains: exp and tanh differ in the last digits. Of the value, or in its unit where that is below 1. */
 const TOLERANCE = 1e-9;
 
-/** In a region tractions are found by conjugate gradients, which end at this part of the residual: the rest depends on rounding. */
+/** In a region tractions are found by conjugate gradients, which end at 1e-8 of the residual: the rest, which weak smoothing magnifies, depends on rounding. */
 const IN_REGION = 1e-6;
 
 /** @param {Answer} answer */

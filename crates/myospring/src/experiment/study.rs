@@ -25,6 +25,8 @@ use std::sync::atomic::AtomicU64;
 
 /// Missing members that are named.
 const NAMED: usize = 5;
+/// Members of a part that are merged at a time.
+const MERGED_AT_ONCE: usize = 1 << 14;
 
 /// A study that was read.
 pub struct Study {
@@ -137,11 +139,13 @@ impl Study {
         let parts = parts(target)?;
         for (part, folder) in &parts {
             let journal: Journal<Variation> = Journal::open(folder, &study.settings(&common))?;
-            let noted: Vec<VariationRow> = study.noted(*part, &journal)?;
-            rows.extend(match &common.axes {
-                Some(axes) => with_whole_curves(folder, axes, *part, all, noted)?,
-                None => noted,
-            });
+            for members in study.in_turn(*part, MERGED_AT_ONCE) {
+                let noted = journal.rows(&members)?;
+                rows.extend(match &common.axes {
+                    Some(axes) => with_whole_curves(folder, axes, *part, all, noted)?,
+                    None => noted,
+                });
+            }
         }
         let studied =
             Studied { study: self, common, manifest, rows, members: all, interrupted: false };
@@ -226,10 +230,14 @@ impl Studied<'_> {
 
     /// Refuses a study with missing members.
     fn check_complete(&self, target: &Path) -> Result<(), ExperimentError> {
-        let there: std::collections::BTreeSet<usize> =
-            self.rows.iter().map(|row| row.member).collect();
         let all = self.members;
-        let mut missing = (1..=all).filter(|member| !there.contains(member));
+        let mut there = vec![false; all];
+        for row in self.rows.iter() {
+            if let Some(there) = there.get_mut(row.member.wrapping_sub(1)) {
+                *there = true;
+            }
+        }
+        let mut missing = (1..=all).filter(|member| !there[member - 1]);
         let named: Vec<String> =
             missing.by_ref().take(NAMED).map(|member| member.to_string()).collect();
         if named.is_empty() {

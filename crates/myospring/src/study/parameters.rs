@@ -82,7 +82,8 @@ const BEATS_TOGETHER: usize = 8;
 const GROUPS: usize = 4;
 
 /// Computes every member of a shard of a study that the journal does not contain; `common` must
-/// come from the same study. [`Rows`] hold the rows of millions of members.
+/// come from the same study. The rows come in the collection that the caller names: [`Rows`] for
+/// millions of members, or a `Vec`.
 ///
 /// # Errors
 /// Those of [`study::run`](super::run); the error of a member is a row.

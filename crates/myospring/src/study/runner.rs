@@ -120,8 +120,8 @@ impl<M> Members<M> for [M] {
 const PART: usize = 1 << 16;
 const GROUPS_A_PART: usize = 16;
 
-/// Does what [`run_together`] does, for members that are made in parts, with rows in any collection;
-/// `recorded` is called after each group.
+/// Computes the members that the journal does not have, and returns the rows of all in any
+/// collection. Members are made in parts; `recorded` is called after each group.
 pub(super) fn run_in_parts<M: Member, C: Default + Extend<M::Row>>(
     members: &(impl Members<M> + Sync + ?Sized),
     journal: &Journal<M>,

@@ -90,7 +90,7 @@ pub(super) struct Plan {
     pub(super) anchors: Vec<Block>,
     /// Whether anything but springs and dashpots acts: an area or volume law, tension of fibres or springs to resting places.
     pub(super) laws: bool,
-    /// Nodes that follow one another in a row: the offset of the first one's x in the state.
+    /// Runs of nodes in a row: `first` is the first node, `nodes[0]` the offset of its x in the state.
     pub(super) places: Vec<Run<1>>,
     /// State of the lattice before any mass is put on it.
     pub(super) vacant: Vec<Block>,

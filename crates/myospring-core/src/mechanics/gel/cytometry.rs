@@ -32,7 +32,7 @@ const TRIED: usize = 49;
 const DECADES: f64 = 6.0;
 /// Rounds of conjugate gradients, and the part of the residual at which they end.
 const ROUNDS: usize = 200;
-const ENOUGH: f64 = 1e-6;
+const ENOUGH: f64 = 1e-8;
 /// Fewest places along an axis of a surface from which noise is estimated.
 const FEWEST: usize = 4;
 

@@ -57,20 +57,20 @@ impl ParameterStudy {
         journal.add(done.iter().map(|(member, row)| (member, member.key(), vec![row.clone()])))
     }
 
-    /// The rows of a part that a journal has, in the order of the members.
+    /// Adds the rows of a part that a journal has, in the order of the members.
     ///
     /// # Errors
     /// A journal that cannot be read.
-    pub fn noted<C: Default + Extend<VariationRow>>(
+    pub fn add_noted(
         &self,
         part: Shard,
         journal: &Journal<Variation>,
-    ) -> Result<C, StudyError> {
-        let mut rows = C::default();
+        rows: &mut impl Extend<VariationRow>,
+    ) -> Result<(), StudyError> {
         for members in self.in_turn(part, AT_ONCE) {
             rows.extend(journal.rows(&members)?);
         }
-        Ok(rows)
+        Ok(())
     }
 
     /// The members of a part in order, a group at a time, so that only one group is in memory.

@@ -1,4 +1,4 @@
-//! The results of many members in columns: 9 bytes for each, and 8 for each metric.
+//! The results of many members in columns: 9 bytes for each and 8 for each metric, and up to twice that while there are more to come.
 
 use super::super::Status;
 use super::member::VariationRow;
@@ -34,7 +34,7 @@ pub struct Rows {
     metrics: Vec<f64>,
 }
 
-/// The result of a member.
+/// A row of [`Rows`].
 #[derive(Debug, Clone, Copy)]
 pub struct MemberRow<'a> {
     /// The member's number, from 1.

@@ -335,7 +335,8 @@ fn rows_from_elsewhere_are_those_of_the_study_itself() {
     drop(journal);
     let journal = open();
     assert_eq!(study.left(part, &journal), [8, 11, 14, 17, 20, 23]);
-    let noted: Vec<VariationRow> = study.noted(part, &journal).unwrap();
+    let mut noted = Vec::new();
+    study.add_noted(part, &journal, &mut noted).unwrap();
     assert_eq!(noted, [whole[1].clone(), whole[4].clone()]);
     let report = run(&study, &common, Shard::WHOLE, &journal, &Threads::new(None).unwrap(), &());
     let report = report.unwrap();
