@@ -54,7 +54,8 @@ pub fn cooled(plane: &Plane) -> Option<(Plane, String)> {
         let mut sane: Vec<f32> =
             neighbours(plane, at).into_iter().flatten().filter(|&value| !is_hot(value)).collect();
         sane.sort_by(f32::total_cmp);
-        values[at] = sane[sane.len() / 2];
+        // Without a sane neighbour it does not stand alone.
+        values[at] = *sane.get(sane.len() / 2)?;
     }
     let note = note(plane, &hot, f64::midpoint(low, high))?;
     Some((Plane::new(width, height, values)?, note))

@@ -97,6 +97,14 @@ fn noise_dots_lines_and_labels_are_no_hot_pixels() {
 }
 
 #[test]
+fn a_corner_of_hot_pixels_alone_has_no_neighbour_to_take_a_value_from() {
+    let dark = Plane::new(8, 6, (0..48).map(|at| (at % 7) as f32).collect()).unwrap();
+    let corner = [(0, 0, 1e30), (1, 0, 1e30), (0, 1, -1e30), (1, 1, -1e30)];
+    assert!(cooled(&changed(&dark, &corner[..1])).is_some());
+    assert!(cooled(&changed(&dark, &corner)).is_none());
+}
+
+#[test]
 fn a_hot_pixel_in_a_picture_of_the_myofibrils_is_told_and_does_not_take_all_the_tension() {
     let scene = Scene::default();
     let truth = scene.fluorescence();
