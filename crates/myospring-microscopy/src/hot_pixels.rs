@@ -54,7 +54,7 @@ pub fn cooled(plane: &Plane) -> Option<(Plane, String)> {
         let mut sane: Vec<f32> =
             neighbours(plane, at).into_iter().flatten().filter(|&value| !is_hot(value)).collect();
         sane.sort_by(f32::total_cmp);
-        // Without a sane neighbour it does not stand alone.
+        // A pixel whose neighbours are all hot is part of something larger: the picture stays as it is.
         values[at] = *sane.get(sane.len() / 2)?;
     }
     let note = note(plane, &hot, f64::midpoint(low, high))?;

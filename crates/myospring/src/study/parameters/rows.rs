@@ -96,7 +96,7 @@ impl Rows {
         sorted
     }
 
-    /// Adds a row but for its metrics.
+    /// Adds a row without its metrics, which the caller adds.
     fn push(&mut self, member: usize, status: Status, reason: &str) {
         if !reason.is_empty() {
             self.reasons.insert(self.len(), reason.to_owned());
@@ -105,7 +105,7 @@ impl Rows {
         self.statuses.push(status);
     }
 
-    /// Makes place for so many metrics in each row.
+    /// Gives each row `width` metrics; the added ones are missing.
     fn widen(&mut self, width: usize) {
         let mut metrics = Vec::with_capacity(width * self.len());
         for at in 0..self.len() {
