@@ -340,15 +340,35 @@ fn split_number(text: &str) -> (&str, &str) {
             }
         }
     }
-    let end = (1..=text.len())
-        .rev()
-        .filter(|&end| text.is_char_boundary(end))
-        .find(|&end| {
-            text[..end].ends_with(|c: char| c.is_ascii_digit() || c == '.')
-                && text[..end].parse::<f64>().is_ok()
-        })
-        .unwrap_or(0);
+    let end = number_length(text);
     (&text[..end], text[end..].trim())
+}
+
+/// Bytes of the decimal number with which a text begins: `-1.5e3`, `.5`, `5.`; 0 without one.
+fn number_length(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let signed = |from: usize| from + usize::from(matches!(bytes.get(from), Some(b'+' | b'-')));
+    let digits =
+        |from: usize| bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let start = signed(0);
+    let whole = start + digits(start);
+    let (mut end, mut many) = (whole, whole - start);
+    if bytes.get(end) == Some(&b'.') {
+        let decimals = digits(end + 1);
+        end += 1 + decimals;
+        many += decimals;
+    }
+    if many == 0 {
+        return 0;
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let exponent = signed(end + 1);
+        let count = digits(exponent);
+        if count > 0 {
+            end = exponent + count;
+        }
+    }
+    end
 }
 
 /// Writes a number in the dimension's internal unit: `50 kPa`.
@@ -442,6 +462,25 @@ mod tests {
     fn what_is_written_reads_back() {
         for dimension in Dimension::ALL {
             assert_eq!(parse(&format(1.25, dimension), dimension).unwrap(), 1.25, "{dimension}");
+        }
+    }
+
+    /// Trying each prefix takes a second for 200 000 digits.
+    #[test]
+    fn a_number_is_the_longest_prefix_that_reads_as_one() {
+        let symbols = "+-.05eEm";
+        let mut texts = vec![String::new()];
+        for _ in 0..5 {
+            let longer =
+                texts.iter().flat_map(|text| symbols.chars().map(move |c| format!("{text}{c}")));
+            texts = longer.collect();
+            for text in &texts {
+                let ends = (1..=text.len()).rev();
+                let mut numbers = ends.map(|end| &text[..end]).filter(|number| {
+                    number.ends_with(['0', '5', '.']) && number.parse::<f64>().is_ok()
+                });
+                assert_eq!(split_number(text).0, numbers.next().unwrap_or_default(), "{text}");
+            }
         }
     }
 

@@ -29,6 +29,7 @@ use super::description::{
     Input, KnownDeparture, ModelError, StateVariable, Stimulation, TensionKind,
 };
 use super::pacing::Stimulus;
+use super::settings::{CellMethod, SolverSettings};
 use super::tension::Tension;
 use crate::parameter::ParameterSet;
 use std::any::Any;
@@ -179,6 +180,11 @@ impl CellModel for MinimalModel {
         Stimulation::of_first_state(self.identity.stimulus)
     }
 
+    /// Steps of its own choice, cut where the equations jump.
+    fn usual_settings(&self) -> SolverSettings {
+        SolverSettings::of(CellMethod::Adaptive)
+    }
+
     fn potential(&self, state: &[f64]) -> Option<f64> {
         Some(state[0])
     }
@@ -187,8 +193,10 @@ impl CellModel for MinimalModel {
         self.identity.millivolts.map(|(slope, offset)| slope * state[0] + offset)
     }
 
+    /// The equations never make it negative; the cubic between two steps may be so within the tolerance.
     fn tension(&self, state: &[f64], _input: &Input) -> f64 {
-        state[5]
+        // NaN stays.
+        if state[5] < 0.0 { 0.0 } else { state[5] }
     }
 
     fn tension_kind(&self) -> TensionKind {

@@ -3,7 +3,7 @@
 use super::error::RunFileError;
 use super::file::RunFile;
 use super::rules;
-use crate::cell::solve::SolverSettings;
+use crate::cell::solve::{CellMethod, SolverSettings};
 use crate::integrate::Method;
 use crate::settings::{Failure, Run, Source, Value, table};
 use crate::units::{self, Dimension};
@@ -28,6 +28,11 @@ impl RunFile {
             if let Some(value) = self.get(setting.key) {
                 setting.set(&mut run, value)?;
             }
+        }
+        // A step is that of a method with fixed ones.
+        let adaptive = run.numerics.cell.method == CellMethod::Adaptive;
+        if adaptive && self.has("cell.step") && !self.has("cell.integrator") {
+            run.numerics.cell.method = CellMethod::RungeKutta4;
         }
         if matches!(run.shape.source, Source::BuiltIn(shape) if shape.is_tissue) {
             run.tissue.get_or_insert_default().assume_velocity();

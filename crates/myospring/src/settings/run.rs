@@ -199,7 +199,7 @@ impl Run {
     pub fn default_run() -> Self {
         let cell = coelho_2021::model();
         let protocol = Protocol::once(cell.default_stimulus());
-        let numerics = Numerics::default();
+        let numerics = Numerics { cell: cell.usual_settings(), ..Numerics::default() };
         Self {
             models: Models::default(),
             from_file: FromFile::default(),

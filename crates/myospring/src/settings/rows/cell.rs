@@ -236,7 +236,8 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "cell.step",
-        "Largest time step of the cell model, for a method with fixed steps.",
+        "Largest time step of the cell model, for a method with fixed steps; a minimal model for which no method is given then takes \
+         runge-kutta-4.",
         // Shorter steps need minutes for a beat without changing the result.
         Bounds::any(Dimension::Time, "0.005 ms").from(1e-5).to(1.0),
         |run| {
@@ -245,7 +246,7 @@ pub(super) const ROWS: &[Setting] = &[
         },
         |run, step| run.numerics.cell.step_ms = step,
     )
-    .otherwise("suited to the cell model: 0.005 ms, for land_2017 0.05 ms"),
+    .otherwise("suited to the method and the cell model: 0.005 ms, for land_2017 0.05 ms"),
     Setting::quantity(
         "cell.tolerance",
         "Largest error of a step relative to the size of each variable, for a method with adaptive \
