@@ -106,7 +106,6 @@ fn twitch(quick: bool) -> Result<Vec<Row>, Failure> {
                 exchange_interval,
                 output_interval: 1.0,
                 frame_interval: 600.0,
-                cell: model.usual_settings(),
                 ..usual.numerics.clone()
             },
             ..usual

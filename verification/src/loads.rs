@@ -89,7 +89,6 @@ fn beats(
             exchange_interval: 1.0,
             output_interval: 1.0,
             frame_interval: 600.0,
-            cell: cell.usual_settings(),
             ..usual.numerics.clone()
         },
         duration: CYCLE_MS * f64::from(beats - 1) + 600.0,

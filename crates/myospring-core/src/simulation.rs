@@ -97,8 +97,8 @@ pub struct Numerics {
     /// Interval of the recorded shapes, ms, a multiple of the output interval; 5. The shape at the
     /// peak of tension is recorded, too.
     pub frame_interval: f64,
-    /// Integration of the cell model.
-    pub cell: SolverSettings,
+    /// Integration of the cell model; `None` takes [`CellModel::usual_settings`].
+    pub cell: Option<SolverSettings>,
     /// Engine of a run in time: by default the fastest that can move this mesh, on one thread.
     /// [`crate::integrate::stencil::worthwhile_threads`] gives the useful number of threads.
     pub engine: Engine,
@@ -112,7 +112,7 @@ impl Default for Numerics {
             exchange_interval: 0.25,
             output_interval: 0.5,
             frame_interval: 5.0,
-            cell: SolverSettings::default(),
+            cell: None,
             engine: Engine::default(),
         }
     }
@@ -253,5 +253,10 @@ impl Simulation {
             stepper: None,
             interruption: Interruption::default(),
         }
+    }
+
+    /// How the cell model is integrated: as [`Numerics::cell`] says, or as is usual for the model.
+    pub fn cell_settings(&self) -> SolverSettings {
+        self.numerics.cell.unwrap_or_else(|| self.cell.usual_settings())
     }
 }

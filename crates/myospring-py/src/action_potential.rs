@@ -48,7 +48,7 @@ pub(crate) fn action_potential<'py>(
     let (cell, _warning) = run.driven(|path| files::read(path.as_ref())).map_err(errors::value)?;
     let solved = watched(py, progress, |watch| {
         let interval = run.numerics.output_interval;
-        let (protocol, settings) = (run.protocol, run.numerics.cell);
+        let (protocol, settings) = (run.protocol, run.cell_settings());
         let interruption = watch.interruption();
         watch.stage("ms", run.duration as u64);
         solve_while(&*cell, protocol, settings, run.duration, interval, |time_ms| {

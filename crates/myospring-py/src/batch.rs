@@ -91,8 +91,8 @@ pub(crate) fn simulate_batch<'py>(
 ) -> PyResult<Answered<'py>> {
     let mut file = cell.0.file.clone();
     settings::put(&mut file, given)?;
-    let file = ParameterStudy::with_usual_methods(file)
-        .map_err(|error| errors::of_settings(py, &error))?;
+    let file =
+        ParameterStudy::along_equilibria(file).map_err(|error| errors::of_settings(py, &error))?;
     let run = file.resolve().map_err(|error| errors::of_settings(py, &error))?;
     let numbers = names.iter().map(|name| number(py, name, &run)).collect::<PyResult<Vec<_>>>()?;
     let rows = params.as_array().outer_iter().map(|row| row.to_vec()).collect();

@@ -8,7 +8,7 @@ use myospring::cell::pacing::Protocol;
 use myospring::integrate::quasi_static::Tolerance;
 use myospring::mechanics::material::myofilament_material;
 use myospring::mesh::{built_in, lattice};
-use myospring::simulation::{Numerics, Simulation};
+use myospring::simulation::Simulation;
 use std::hint::black_box;
 
 fn built_in_cell(masses: usize) -> Simulation {
@@ -61,7 +61,6 @@ fn feeling(name: &str) -> Simulation {
     Simulation {
         protocol: Protocol::once(model.default_stimulus()),
         material: myofilament_material(),
-        numerics: Numerics { cell: model.usual_settings(), ..usual.numerics.clone() },
         cell: model,
         ..usual
     }

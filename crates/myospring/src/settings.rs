@@ -105,7 +105,7 @@ mod tests {
     fn run_with_place(setting: &Setting) -> Run {
         let mut run = Run::default_run();
         let before: &[(&str, &str)] = match setting.key {
-            "cell.tolerance" => &[("cell.integrator", "adaptive")],
+            "cell.step" => &[("cell.integrator", "runge-kutta-4")],
             "stimulus.duration" => &[("stimulus.kind", "pulse")],
             "shape.pixel_size" | "shape.label" | "shape.any_size" => {
                 &[("shape.picture", "cell.tif")]

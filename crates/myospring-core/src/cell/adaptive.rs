@@ -1,7 +1,7 @@
 //! The minimal model with adaptive steps, for one cell.
 //!
-//! Many cells at once ([`batch`](super::batch)) give bitwise the same results. The [fixed
-//! steps](super::solve) are the default of a run, and a check of this module.
+//! The usual method of minimal models. Many cells at once ([`batch`](super::batch)) give bitwise the same results. [Fixed
+//! steps](super::solve) are a check of this module.
 //!
 //! # Method
 //! The pair 3(2) of Bogacki and Shampine (`bogacki_shampine_1989`): three evaluations a step, each step

@@ -90,7 +90,7 @@ impl Beating<'_> {
         bounds: ActivationBounds,
     ) -> Result<WholeCell, SolveError> {
         let Self { simulation, cell, strength, .. } = *self;
-        let mut settings = simulation.numerics.cell;
+        let mut settings = simulation.cell_settings();
         // The default step is for the upstroke of the action potential; myofilaments are slower.
         if settings.method == CellMethod::RungeKutta4
             && cell.potential(&cell.initial_state()).is_none()

@@ -157,7 +157,7 @@ impl Simulation {
         let Strength { scale, strongest, relative } = self.strength(known).map_err(failed)?;
         let strongest = ActivationBounds { tension: strongest, ..ActivationBounds::default() };
         let model = self.cell.clone();
-        let settings = self.numerics.cell;
+        let settings = self.cell_settings();
         let start = self.start_state.as_deref();
         if let Some(coupling) = &self.tissue {
             return Ok((Box::new(self.coupled(coupling, scale)?), relative));
@@ -192,7 +192,7 @@ impl Simulation {
             model: self.cell.clone(),
             state: self.start_state.as_deref(),
             protocols: &protocols,
-            settings: self.numerics.cell,
+            settings: self.cell_settings(),
             scale,
         };
         let refused =

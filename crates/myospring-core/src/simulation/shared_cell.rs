@@ -30,7 +30,7 @@ impl SharedCell {
             model: Arc::clone(cell),
             protocol: *protocol,
             start_state: start_state.clone(),
-            settings: numerics.cell,
+            settings: simulation.cell_settings(),
             every: numerics.exchange_interval,
             course: CellCourse::default(),
             peak: Arc::default(),
@@ -43,7 +43,7 @@ impl SharedCell {
         (Arc::ptr_eq(&self.model, cell) || self.model.is_same_as(&**cell))
             && self.protocol == *protocol
             && self.start_state == *start_state
-            && self.settings == numerics.cell
+            && self.settings == simulation.cell_settings()
             && self.every == numerics.exchange_interval
     }
 

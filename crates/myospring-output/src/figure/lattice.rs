@@ -1,5 +1,6 @@
 //! The mesh that was made from a picture (the paper's Fig. 4a).
 
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
 use super::facets::{check_mesh, facets, outline};
@@ -19,6 +20,8 @@ pub(super) fn spacing(mesh: &Mesh) -> f64 {
 }
 
 /// Lines along the springs of one kind, in every n-th row and column of a lattice; `at` is where a point is drawn.
+///
+/// Springs of a lattice that follow each other in one direction are one line, which takes less to draw than each alone.
 pub(super) fn springs(
     mesh: &Mesh,
     kind: SpringKind,
@@ -26,19 +29,44 @@ pub(super) fn springs(
     at: impl Fn(usize) -> [f64; 2],
 ) -> Path {
     let mut lines = Path::default();
-    for spring in mesh.springs.iter().filter(|spring| spring.kind == kind) {
-        let [a, b] = spring.nodes.map(|node| node as usize);
-        let shown = mesh.lattice.as_ref().is_none_or(|lattice| {
-            let (from, to) = (lattice.cells[a], lattice.cells[b]);
-            let across = usize::from(from[0] == to[0]);
-            // A spring along x belongs to a row, one along y to a column.
-            from[1 - across].is_multiple_of(every)
-        });
-        if shown {
-            lines.add_line([at(a), at(b)]);
+    let all = mesh.springs.iter().filter(|spring| spring.kind == kind);
+    let all = all.map(|spring| spring.nodes.map(|node| node as usize));
+    let Some(lattice) = &mesh.lattice else {
+        all.for_each(|nodes| lines.add_line(nodes.map(&at)));
+        return lines;
+    };
+    let shown = all.filter_map(|[a, b]| {
+        let (from, to) = (lattice.cells[a], lattice.cells[b]);
+        // A spring along x belongs to a row, one along y to a column.
+        let across = usize::from(from[0] == to[0]);
+        if !from[1 - across].is_multiple_of(every) {
+            return None;
+        }
+        let [x, y] = [0, 1].map(|axis: usize| i64::from(to[axis]) - i64::from(from[axis]));
+        Some(if (x, y) > (0, 0) { ([x, y], a, b) } else { ([-x, -y], b, a) })
+    });
+    let shown: Vec<_> = shown.collect();
+    let next: HashMap<_, _> = shown.iter().map(|&(way, from, to)| ((way, from), to)).collect();
+    let reached: HashSet<_> = shown.iter().map(|&(way, _, to)| (way, to)).collect();
+    for &(way, first, _) in shown.iter().filter(|&&(way, from, _)| !reached.contains(&(way, from)))
+    {
+        let follow = |&node: &usize| next.get(&(way, node)).copied();
+        let line: Vec<[f64; 2]> = std::iter::successors(Some(first), follow).map(&at).collect();
+        match line[..] {
+            [from, .., to] if is_straight(&line) => lines.add_line([from, to]),
+            _ => lines.add_line(line),
         }
     }
     lines
+}
+
+/// Whether points lie between the first and the last, to half of what a path tells apart.
+fn is_straight(line: &[[f64; 2]]) -> bool {
+    let [Some(from), Some(to)] = [line.first(), line.last()] else { return true };
+    let along = [to[0] - from[0], to[1] - from[1]];
+    let length = along[0].hypot(along[1]);
+    let off = |point: &[f64; 2]| (point[0] - from[0]) * along[1] - (point[1] - from[1]) * along[0];
+    line.iter().all(|point| off(point).abs() <= 0.005 * length)
 }
 
 /// Points and springs of a mesh within its outline, with its numbers and a scale bar.

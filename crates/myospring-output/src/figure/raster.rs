@@ -224,26 +224,21 @@ impl List {
     /// Paints some rows at a time and passes on their colours, from the top: red, green and blue of each pixel.
     fn paint(&self, mut each: impl FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
         let [width, height] = self.size;
-        let most = (AT_ONCE / width).max(1);
+        let most = (AT_ONCE / width).clamp(1, height);
         let [red, green, blue] = self.paper.channels();
-        let mut colours = Vec::new();
-        let mut top = 0;
-        while top < height {
-            let count = most.min(height - top);
-            let Some(mut pixmap) = Pixmap::new(width, count) else {
-                return Err(io::Error::other(format!(
-                    "{width} x {height} pixels are too many; lower the resolution"
-                )));
-            };
+        let to_pixels = self.to_pixels;
+        let Some(mut pixmap) = Pixmap::new(width, most) else {
+            return Err(io::Error::other(format!("{width} pixels in a row are too many")));
+        };
+        let mut colours = vec![0; 3 * pixmap.pixels().len()];
+        for top in (0..height).step_by(most as usize) {
             pixmap.fill(Color::from_rgba8(red, green, blue, u8::MAX));
-            let to_pixels = self.to_pixels;
             Band { pixmap: &mut pixmap, top, to_pixels, mask: None }.paint(&self.marks);
-            colours.clear();
-            // The page is opaque.
-            colours
-                .extend(pixmap.data().chunks_exact(4).flat_map(|rgba| [rgba[0], rgba[1], rgba[2]]));
-            each(&colours)?;
-            top += count;
+            for (rgb, rgba) in colours.chunks_exact_mut(3).zip(pixmap.data().chunks_exact(4)) {
+                // The page is opaque.
+                rgb.copy_from_slice(&rgba[..3]);
+            }
+            each(&colours[..(3 * width * most.min(height - top)) as usize])?;
         }
         Ok(())
     }

@@ -234,7 +234,7 @@ impl OwnTension {
             .map_err(|cause| FitError::NoCourse { cause })?;
         let given = GivenTension::example().with_course(course, TensionClock::Run);
         run.protocol = Protocol::once(given.default_stimulus());
-        run.numerics.cell = given.usual_settings();
+        run.numerics.cell = None;
         run.numerics.method = Method::QuasiStatic;
         run.cell = Arc::new(given);
         run.material.stiffen(self.young_modulus_kpa / young_modulus_kpa);

@@ -76,7 +76,7 @@ impl Fitter {
             run.duration = (run.protocol.start_ms + end - first).max(1.0).ceil();
         }
         if run.cell.tension_of_potential().is_some() {
-            let (protocol, settings) = (run.protocol, run.numerics.cell);
+            let (protocol, settings) = (run.protocol, run.cell_settings());
             // Very fast trains may never become steady; then the run begins at rest.
             let paced =
                 || pace(&run.cell, protocol, settings, STEADY, &self.simulation().interruption);

@@ -30,9 +30,12 @@ impl RunFile {
             }
         }
         // A step is that of a method with fixed ones.
-        let adaptive = run.numerics.cell.method == CellMethod::Adaptive;
-        if adaptive && self.has("cell.step") && !self.has("cell.integrator") {
-            run.numerics.cell.method = CellMethod::RungeKutta4;
+        let own = run.cell_settings();
+        if own.method == CellMethod::Adaptive
+            && self.has("cell.step")
+            && !self.has("cell.integrator")
+        {
+            run.numerics.cell = Some(SolverSettings { method: CellMethod::RungeKutta4, ..own });
         }
         if matches!(run.shape.source, Source::BuiltIn(shape) if shape.is_tissue) {
             run.tissue.get_or_insert_default().assume_velocity();
@@ -55,10 +58,10 @@ impl RunFile {
         run.shape.any_size |= !self.has("shape.any_size");
         let stated = |key: &str| self.has(key) || self.has("cell.authors_step");
         if !stated("cell.integrator") {
-            run.numerics.cell.method = suited.method;
+            run.cell_settings_mut().method = suited.method;
         }
         if !stated("cell.step") {
-            run.numerics.cell.step_ms = suited.step_ms;
+            run.cell_settings_mut().step_ms = suited.step_ms;
         }
         if !self.has("numerics.integrator") {
             run.numerics.method = Method::QuasiStatic;

@@ -304,7 +304,7 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
     if let Some(second) = taken.into_iter().find(|key| authors && file.has(key)) {
         return exclude("cell.authors_step", second, "leave one of them out");
     }
-    let (second, advice) = if run.numerics.cell.method.chooses_steps() {
+    let (second, advice) = if run.cell_settings().method.chooses_steps() {
         ("cell.step", "this method chooses its steps by the tolerance; leave the step out")
     } else {
         ("cell.tolerance", "only integrator = \"adaptive\" or \"stiff\" has it; leave it out")
@@ -373,7 +373,7 @@ fn tissue(file: &RunFile, run: &Run) -> Checked {
         let advice = "a tissue is a flat sheet, whose thickness is that of its material; leave out what makes it thick";
         return exclude(key, thick_by(run), advice);
     }
-    if run.numerics.cell.method.chooses_steps() {
+    if run.cell_settings().method.chooses_steps() {
         let advice = "coupled cells need fixed steps; take forward-euler, rush-larsen or runge-kutta-4, or leave the method out";
         return exclude(key, "cell.integrator", advice);
     }

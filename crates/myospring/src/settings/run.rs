@@ -16,6 +16,7 @@ use super::tension::{self, TensionError};
 use super::tissue::TissueSettings;
 use crate::cell::given_tension::TensionClock;
 use crate::cell::pacing::Protocol;
+use crate::cell::solve::SolverSettings;
 use crate::cell::{CellModel, TensionKind, coelho_2021};
 use crate::exchange::{Coupling, TissueError};
 use crate::interruption::Interruption;
@@ -199,7 +200,7 @@ impl Run {
     pub fn default_run() -> Self {
         let cell = coelho_2021::model();
         let protocol = Protocol::once(cell.default_stimulus());
-        let numerics = Numerics { cell: cell.usual_settings(), ..Numerics::default() };
+        let numerics = Numerics::default();
         Self {
             models: Models::default(),
             from_file: FromFile::default(),
@@ -429,7 +430,7 @@ impl Run {
     ) -> Result<(Option<Vec<f64>>, Option<String>), CacheError> {
         let Some(tolerance) = self.steady_state else { return Ok((None, None)) };
         let folder = Some(&self.steady_state_cache).filter(|folder| !folder.is_empty());
-        let (protocol, settings) = (self.protocol, self.numerics.cell);
+        let (protocol, settings) = (self.protocol, self.cell_settings());
         let folder = folder.map(Path::new);
         let (found, told) =
             steady::steady_state(cell, protocol, settings, tolerance, folder, &self.interruption)?;
@@ -445,7 +446,7 @@ impl Run {
     pub fn coupling(&self, spacing: f64) -> Result<Option<Coupling>, MakeError> {
         let Some(tissue) = &self.tissue else { return Ok(None) };
         let cell = self.published_cell().map_err(MakeError::Model)?;
-        Ok(Some(tissue.coupling(&cell, self.numerics.cell, spacing)?))
+        Ok(Some(tissue.coupling(&cell, self.cell_settings(), spacing)?))
     }
 
     /// A warning if the run ends before the wave has left the cell.
@@ -501,6 +502,17 @@ impl Run {
             duration: self.duration,
             numerics: self.numerics.clone(),
         }
+    }
+
+    /// How the cell model is integrated: as is set, or as is usual for the model.
+    pub fn cell_settings(&self) -> SolverSettings {
+        self.numerics.cell.unwrap_or_else(|| self.cell.usual_settings())
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn cell_settings_mut(&mut self) -> &mut SolverSettings {
+        let usual = self.cell_settings();
+        self.numerics.cell.get_or_insert(usual)
     }
 
     /// Times of the stimuli that fall within the run, ms.

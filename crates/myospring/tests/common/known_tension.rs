@@ -36,7 +36,6 @@ impl Truth {
     pub(crate) fn of(model: &str, support: SupportKind) -> (Simulation, Self) {
         let mut simulation = strip();
         simulation.cell = cell::model(model).unwrap();
-        simulation.numerics.cell = simulation.cell.usual_settings();
         simulation.support = support;
         simulation.protocol = Protocol {
             cycle_length_ms: 1000.0,

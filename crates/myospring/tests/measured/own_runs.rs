@@ -21,7 +21,6 @@ const OTHERS: [&str; 3] = ["lag_of_shortening", "tension_at_end", "maximum_upstr
 fn beaten(model: &str) -> (Beats, Table, String) {
     let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap());
     simulation.cell = cell::model(model).unwrap();
-    simulation.numerics.cell = simulation.cell.usual_settings();
     let once = Protocol::once(simulation.cell.default_stimulus());
     simulation.protocol = Protocol { cycle_length_ms: 1000.0, beats: 2, ..once };
     simulation.duration = 50.0 + 2.0 * 1000.0;

@@ -378,7 +378,6 @@ fn every_model_of_the_list_can_drive_the_mesh() {
             protocol: Protocol::once(model.default_stimulus()),
             ..Simulation::new(built_in_cell(0.0, Some(5.0)))
         };
-        simulation.numerics.cell = model.usual_settings();
         simulation.cell = model;
         if !has_tension {
             let error = simulation.build().err().unwrap().to_string();
@@ -399,7 +398,6 @@ fn the_tension_of_a_run_given_again_makes_the_same_curve() {
     for model in ["coelho_2021", "land_2017"] {
         let mut simulation = Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap());
         simulation.cell = cell::model(model).unwrap();
-        simulation.numerics.cell = simulation.cell.usual_settings();
         simulation.protocol = Protocol {
             cycle_length_ms: 700.0,
             beats: 2,
@@ -415,7 +413,6 @@ fn the_tension_of_a_run_given_again_makes_the_same_curve() {
         let tensions: Vec<f64> = samples.iter().map(|sample| sample.ta_kpa).collect();
         let course = TensionCourse::new(&times, &tensions).unwrap();
         let given = GivenTension::example().with_course(course, TensionClock::Run);
-        simulation.numerics.cell = given.usual_settings();
         simulation.cell = Arc::new(given);
         let again = along(&simulation);
         let of_path = |outcome: &Outcome| {
@@ -457,7 +454,7 @@ fn a_changed_parameter_changes_the_strength_of_the_cell() {
     let published = coelho_2021_peak();
     let beats = [1.4, 1.76816, 2.4].map(|tau_si| {
         let simulation = with_tau_si(tau_si);
-        let own = solve::reference_beat(&*simulation.cell, simulation.numerics.cell).unwrap();
+        let own = solve::reference_beat(&*simulation.cell, simulation.cell_settings()).unwrap();
         let finished = simulation.build().unwrap().run(|_| true);
         assert_eq!(finished.stop, None);
         let samples = &finished.recording.samples;
@@ -478,7 +475,7 @@ fn a_changed_parameter_changes_the_strength_of_the_cell() {
 #[test]
 fn the_time_step_of_a_strong_cell_is_stable_at_its_own_peak() {
     let strong = with_tau_si(1.0);
-    let own = solve::reference_beat(&*strong.cell, strong.numerics.cell).unwrap();
+    let own = solve::reference_beat(&*strong.cell, strong.cell_settings()).unwrap();
     let ratio = own.peak_tension / coelho_2021_peak();
     let stated =
         Simulation { peak_tension: 50.0 * ratio, ..Simulation::new(built_in_cell(0.0, Some(5.0))) };

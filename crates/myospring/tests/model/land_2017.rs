@@ -53,7 +53,6 @@ pub(crate) fn cell(method: Method, exchange_interval: f64, support: SupportKind)
             method,
             exchange_interval,
             output_interval: 1.0,
-            cell: model.usual_settings(),
             ..usual.numerics.clone()
         },
         cell: Arc::new(model),

@@ -213,7 +213,7 @@ fn its_tension_in_kilopascal_drives_a_cell_as_it_is() {
         peak_tension: 20.0,
         ..Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap())
     };
-    simulation.numerics.cell = SolverSettings::of(CellMethod::Stiff);
+    simulation.numerics.cell = Some(SolverSettings::of(CellMethod::Stiff));
     let outcome = simulation.prepare().unwrap().run(|_| true);
     assert_eq!(outcome.stop, None);
     let samples = &outcome.recording.samples;

@@ -39,7 +39,7 @@ fn recorded(simulation: &Simulation) -> Recording {
 /// Tension of the cell model alone, held at a stretch, kPa, each ms.
 fn alone(simulation: &Simulation, stretch: f64) -> Vec<f64> {
     let model = Arc::clone(&simulation.cell);
-    let settings = simulation.numerics.cell;
+    let settings = simulation.cell_settings();
     let mut cell = CellIntegrator::new(model, simulation.protocol, settings).unwrap();
     let input = Input { stretch, ..Input::REST };
     (0..=250)

@@ -104,7 +104,6 @@ fn cell_of(model: &Arc<dyn CellModel>, way: Way) -> Simulation {
     simulation.protocol =
         Protocol { cycle_length_ms: 700.0, beats: 2, s2_interval_ms: Some(420.0), ..once };
     simulation.duration = 50.0 + 700.0 + 420.0 + 430.0;
-    simulation.numerics.cell = model.usual_settings();
     simulation.numerics.method = way;
     simulation.cell = Arc::clone(model);
     simulation

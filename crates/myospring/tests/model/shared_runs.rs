@@ -1,7 +1,7 @@
 //! Runs that share a path of equilibria and the course of a cell have the bits that each has alone.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use myospring::cell::solve::{CellMethod, SolverSettings};
+use myospring::cell::solve::SolverSettings;
 use myospring::cell::{self, CellModel, TensionKind};
 use myospring::exchange::{ActivationBounds, WholeCell};
 use myospring::integrate::quasi_static::Tolerance;
@@ -22,7 +22,7 @@ fn alone(simulation: &Simulation) -> Recording {
         _ => 1.0,
     };
     let bounds = ActivationBounds { tension: 3.0 * peak, ..Default::default() };
-    let (start, settings) = (simulation.start_state.as_deref(), simulation.numerics.cell);
+    let (start, settings) = (simulation.start_state.as_deref(), simulation.cell_settings());
     let cell = WholeCell::new(model, start, simulation.protocol, settings, scale, bounds).unwrap();
     let simulation = Simulation { activation: Some(Box::new(cell)), ..simulation.clone() };
     let outcome = simulation.run_quasi_static(Tolerance::default(), |_progress| true).unwrap();
@@ -53,7 +53,7 @@ fn runs_one_after_another_have_the_bits_of_runs_alone() {
         ("protocol", &|it| it.protocol.start_ms = 20.0),
         ("start", &|it| it.start_state = Some(vec![0.0, 0.9, 0.9, 0.0, 0.0, 0.1])),
         ("interval", &|it| it.numerics.exchange_interval = 0.5),
-        ("method", &|it| it.numerics.cell = SolverSettings::of(CellMethod::Adaptive)),
+        ("method", &|it| it.numerics.cell = Some(SolverSettings::default())),
         ("another model", &|it| it.cell = model("bueno_orovio_2008_endo")),
     ];
     let mut before: Option<Recording> = None;

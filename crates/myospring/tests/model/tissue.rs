@@ -404,7 +404,7 @@ fn of_human_cells(tissue: Option<Coupling>, support: SupportKind, exchange_ms: f
         ..Simulation::new(lattice::rectangle(12, 2, 250.0).unwrap())
     };
     simulation.numerics.method = Method::QuasiStatic;
-    simulation.numerics.cell = SolverSettings::coupled(&*cell);
+    simulation.numerics.cell = Some(SolverSettings::coupled(&*cell));
     simulation.numerics.exchange_interval = exchange_ms;
     simulation.numerics.output_interval = 4.0;
     simulation.numerics.frame_interval = 4.0;

@@ -264,7 +264,6 @@ fn in_a_cell_it_feels_its_stretch_and_a_drug_shows_in_calcium_and_shortening() {
             ..Simulation::new(lattice::rectangle(20, 4, 5.0).unwrap())
         };
         simulation.numerics.method = Way::QuasiStatic;
-        simulation.numerics.cell = cell.usual_settings();
         simulation.cell = cell;
         let outcome = simulation.build().unwrap().run(|_| true);
         assert_eq!(outcome.stop, None);

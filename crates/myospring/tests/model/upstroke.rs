@@ -18,7 +18,7 @@ fn in_a_run(model: &Arc<dyn CellModel>, settings: SolverSettings, output_ms: f64
         ..Simulation::new(lattice::rectangle(6, 2, 10.0).unwrap())
     };
     simulation.numerics.method = Way::QuasiStatic;
-    simulation.numerics.cell = settings;
+    simulation.numerics.cell = Some(settings);
     simulation.numerics.output_interval = output_ms;
     let beats = simulation.build().unwrap().run(|_| true).beats();
     beats[0].value("maximum_upstroke_velocity").unwrap()

@@ -86,7 +86,6 @@ fn cells_that_feel_their_stretch_are_of_second_order_in_the_exchange_interval() 
             simulation.cell = cell::model(model).unwrap();
             simulation.protocol =
                 Protocol { start_ms: 40.0, ..Protocol::once(simulation.cell.default_stimulus()) };
-            simulation.numerics.cell = simulation.cell.usual_settings();
             simulation.material.stiffness = Stiffness::YoungModulus(100.0);
             simulation.duration = 320.0;
             simulation.numerics.exchange_interval = interval;

@@ -11,7 +11,7 @@ use super::step::{Rates, State, Step, Whole};
 use crate::cell::CellModel;
 use crate::cell::integrator::CellIntegrator;
 use crate::cell::pacing::Protocol;
-use crate::cell::solve::{CellMethod, SolveError, SolverSettings};
+use crate::cell::solve::{SolveError, SolverSettings};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -79,10 +79,7 @@ impl Potential {
             cycle_length_ms: cycle_ms,
             ..protocol
         };
-        let usual = cell
-            .adaptive()
-            .map_or(cell.usual_settings(), |_| SolverSettings::of(CellMethod::Adaptive));
-        let settings = SolverSettings { tolerance: TOLERANCE, ..usual };
+        let settings = SolverSettings { tolerance: TOLERANCE, ..cell.usual_settings() };
         let mut moving = CellIntegrator::new(Arc::clone(cell), train, settings)?;
         let mut all = Vec::with_capacity(beats);
         for beat in before..before + beats {

@@ -8,6 +8,7 @@ use crate::experiment::{Draw, ExperimentError, Folder};
 use crate::microscopy::stack::StackFibres;
 use crate::output::field::Fields;
 use crate::output::figure::{self, ContractionOptions, DrawnThickCell, FigureError};
+use std::sync::OnceLock;
 
 /// Writes the figures of a run.
 pub(in crate::experiment) fn write(
@@ -28,8 +29,9 @@ pub(in crate::experiment) fn write(
     } = finished;
     let recording = &outcome.recording;
     let mesh = &simulation.mesh;
-    let cell = finished.cell();
-    let cell = || cell.as_ref().map_err(Clone::clone);
+    // Not before: other figures do not wait for it.
+    let cell = OnceLock::new();
+    let cell = || cell.get_or_init(|| finished.cell()).as_ref().map_err(Clone::clone);
     let reference = band("peak_shortening")
         .map(|Band { low, high, .. }| ([*low, *high], "adult ventricular myocytes, unloaded"));
     let held = simulation.support.holds_both_ends();

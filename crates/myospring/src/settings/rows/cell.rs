@@ -230,21 +230,21 @@ pub(super) const ROWS: &[Setting] = &[
         "Integration method of the cell model, with fixed or adaptive steps.",
         ValueKind::Words {
             words: CellMethod::WORDS,
-            get: |run| Some(run.numerics.cell.method.word()),
-            set: |run, word| choose(&mut run.numerics.cell.method, word),
+            get: |run| Some(run.cell_settings().method.word()),
+            set: |run, word| choose(&mut run.cell_settings_mut().method, word),
         },
     ),
     Setting::quantity(
         "cell.step",
-        "Largest time step of the cell model, for a method with fixed steps; a minimal model for which no method is given then takes \
+        "Largest time step of the cell model, for a method with fixed steps. A minimal model that has a step and no method takes \
          runge-kutta-4.",
         // Shorter steps need minutes for a beat without changing the result.
         Bounds::any(Dimension::Time, "0.005 ms").from(1e-5).to(1.0),
         |run| {
-            let SolverSettings { method, step_ms, .. } = run.numerics.cell;
+            let SolverSettings { method, step_ms, .. } = run.cell_settings();
             (!method.chooses_steps()).then_some(step_ms)
         },
-        |run, step| run.numerics.cell.step_ms = step,
+        |run, step| run.cell_settings_mut().step_ms = step,
     )
     .otherwise("suited to the method and the cell model: 0.005 ms, for land_2017 0.05 ms"),
     Setting::quantity(
@@ -255,10 +255,10 @@ pub(super) const ROWS: &[Setting] = &[
             .from(SolverSettings::TOLERANCES[0])
             .to(SolverSettings::TOLERANCES[1]),
         |run| {
-            let SolverSettings { method, tolerance, .. } = run.numerics.cell;
+            let SolverSettings { method, tolerance, .. } = run.cell_settings();
             method.chooses_steps().then_some(tolerance)
         },
-        |run, tolerance| run.numerics.cell.tolerance = tolerance,
+        |run, tolerance| run.cell_settings_mut().tolerance = tolerance,
     )
     .otherwise("0.00001"),
     Setting::new(
@@ -276,7 +276,7 @@ pub(super) const ROWS: &[Setting] = &[
 fn set_model(run: &mut Run, name: &str) -> Result<(), Problem> {
     run.cell = run.models.model(name, &run.from_file)?;
     run.protocol.stimulus = run.cell.default_stimulus();
-    run.numerics.cell = run.cell.usual_settings();
+    run.numerics.cell = None;
     if run.cell.feels_stretch() && !run.has_relative_tension() {
         run.material = myofilament_material();
     }
@@ -305,7 +305,7 @@ fn set_authors_step(run: &mut Run, authors: bool) {
     if !authors {
         return;
     }
-    run.numerics.cell = coelho_2021::authors_step();
+    run.numerics.cell = Some(coelho_2021::authors_step());
     if let Some((cell, start_ms)) = run.cell.in_authors_program() {
         run.cell = cell;
         run.protocol.start_ms = start_ms;

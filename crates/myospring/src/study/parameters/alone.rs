@@ -73,7 +73,7 @@ fn outcomes(
     cells: &[Paced],
     goes_on: &dyn Fn() -> bool,
 ) -> Result<Option<Vec<TimedOutcome>>, SolveError> {
-    let (method, often) = (run.numerics.cell, run.numerics.output_interval);
+    let (method, often) = (run.cell_settings(), run.numerics.output_interval);
     let follow = |cells: &[Paced], sample_interval_ms| {
         batch::run_while(cells, &BatchSettings { method, sample_interval_ms }, goes_on)
     };

@@ -141,11 +141,11 @@ impl Written {
             Some(toml::Value::String(path)) => RunFile::from_text(&read(path)?)?,
             Some(tables) => RunFile::from_text(&toml::to_string(tables).unwrap_or_default())?,
         };
-        let run = ParameterStudy::with_usual_methods(run.knowing(models))?;
+        let run = ParameterStudy::along_equilibria(run.knowing(models))?;
         if self.kind == MemberKind::Cell && !run.has("cell.tolerance") {
             let mut with = run.clone();
             with.set("cell.tolerance", STIFF_TOLERANCE)?;
-            if with.resolve().is_ok_and(|run| run.numerics.cell.method == CellMethod::Stiff) {
+            if with.resolve().is_ok_and(|run| run.cell_settings().method == CellMethod::Stiff) {
                 return Ok(with);
             }
         }
@@ -285,28 +285,18 @@ impl ParameterStudy {
         })
     }
 
-    /// A run with methods for many members: quasi-static and with adaptive steps of the cell model,
-    /// unless it names other methods or does not support these.
+    /// A run along its equilibria, as is usual for many members, unless it names another method or does not support this one.
     ///
     /// # Errors
     /// None for a run file that can be read.
-    pub fn with_usual_methods(mut run: RunFile) -> Result<RunFile, RunFileError> {
-        for (key, usual) in
-            [("numerics.integrator", "quasi-static"), ("cell.integrator", "adaptive")]
-        {
-            if !run.has(key) {
-                let mut with = run.clone();
-                with.set(key, usual)?;
-                // Only some models support adaptive steps.
-                if with
-                    .resolve()
-                    .is_ok_and(|run| key != "cell.integrator" || run.cell.adaptive().is_some())
-                {
-                    run = with;
-                }
-            }
+    pub fn along_equilibria(run: RunFile) -> Result<RunFile, RunFileError> {
+        let key = "numerics.integrator";
+        if run.has(key) {
+            return Ok(run);
         }
-        Ok(run)
+        let mut along = run.clone();
+        along.set(key, "quasi-static")?;
+        Ok(if along.resolve().is_ok() { along } else { run })
     }
 
     /// A study of given rows: beats of a run in which each of these numbers has the value of its

@@ -85,7 +85,7 @@ fn cells_of_tor_ord_beat_side_by_side_as_each_does_alone() {
     assert_eq!(common.axes.as_ref().unwrap().quantities.len(), 3);
     for row in [&whole[0], &whole[7]] {
         let run = study.run_of(&study.values.of(row.member).unwrap()).unwrap().resolve().unwrap();
-        let settings = SolverSettings { tolerance: 1e-6, ..run.numerics.cell };
+        let settings = SolverSettings { tolerance: 1e-6, ..run.cell_settings() };
         let trace = solve(&*run.cell, run.protocol, settings, 500.0, 0.5).unwrap();
         let near = |name, expected: f64, by: f64| {
             let found = named(row, name);

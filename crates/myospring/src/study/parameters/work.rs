@@ -140,7 +140,7 @@ impl Common {
             members: study.values.members(),
             traces: None,
             handed: None,
-            tells_beats: batch::tells_beats(&*run.cell, run.numerics.cell),
+            tells_beats: batch::tells_beats(&*run.cell, run.cell_settings()),
             body: None,
         };
         let units: Vec<(&str, &str)> = match study.kind {
