@@ -46,6 +46,9 @@ struct Solution {
     states: Vec<Vec<f64>>,
 }
 
+/// Largest error of adaptive steps with a tolerance of 1e-5 for each of them.
+pub const ADAPTIVE: f64 = 5e-4;
+
 /// Largest error per ms of a fixed step: the equations jump at thresholds, which leaves order 1. Steeper
 /// for tnnp, whose V barely reaches the narrow bell k(V), so that its tension follows the height of the
 /// upstroke steeply.
@@ -61,18 +64,20 @@ fn case(name: &str, beats: u32, fine_step_ms: f64) -> Result<Case, Failure> {
         Stimulus::Pulse { amplitude, duration_ms } => (amplitude, duration_ms),
     };
     let duration = if beats == 1 { 600.0 } else { f64::from(beats) * protocol.cycle_length_ms };
-    let default = SolverSettings::default();
-    let fine = SolverSettings { step_ms: fine_step_ms, ..default };
+    let (usual, rate) = (SolverSettings::default(), error_per_ms(name));
+    let fine = SolverSettings { step_ms: fine_step_ms, ..usual };
+    let adaptive = model.usual_settings();
+    let order = format!("order 1 at the model's thresholds: {rate} per ms of step");
+    let each = format!("a tolerance of {} for each step", adaptive.tolerance);
     let (mut time_ms, mut solutions) = (Vec::new(), Vec::new());
-    for (kind, settings) in [("fine", fine), ("default", default)] {
+    for (name, settings, tolerance, reason) in [
+        (format!("fine step of {fine_step_ms} ms"), fine, rate * fine_step_ms, &order),
+        (format!("usual step of {} ms", usual.step_ms), usual, rate * usual.step_ms, &order),
+        ("steps of a run, adaptive".to_owned(), adaptive, ADAPTIVE, &each),
+    ] {
         let trace = solve(&*model, protocol, settings, duration, 1.0)?;
-        let (step, rate) = (settings.step_ms, error_per_ms(name));
-        solutions.push(Solution {
-            name: format!("{kind} step of {step} ms"),
-            tolerance: rate * step,
-            reason: format!("order 1 at the model's thresholds: {rate} per ms of step"),
-            states: trace.states,
-        });
+        let (reason, states) = (reason.clone(), trace.states);
+        solutions.push(Solution { name, tolerance, reason, states });
         time_ms = trace.time_ms;
     }
     Ok(Case {

@@ -181,19 +181,26 @@ fn every_state_of_every_set_follows_the_solution_by_cvode() {
     for (name, theirs) in &courses {
         let model = cell::model(name).unwrap();
         let protocol = Protocol::once(model.default_stimulus());
-        let ours = solve(&*model, protocol, SolverSettings::default(), 600.0, 10.0).unwrap();
-        assert_eq!(ours.time_ms.len(), theirs.len());
-        for (state, column) in ours.states.iter().enumerate() {
-            let size = theirs.iter().map(|row| row[1 + state].abs()).fold(0.0, f64::max);
-            for (value, row) in column.iter().zip(theirs) {
-                let bound = myokit::error_per_ms(name) * SolverSettings::default().step_ms;
-                let off = (value - row[1 + state]) / size;
-                let variable = model.state_names()[state];
-                assert!(
-                    off.abs() < bound,
-                    "{name}: {variable} at {} ms off by {off} of its size",
-                    row[0]
-                );
+        let fixed = SolverSettings::default();
+        let ways = [
+            (fixed, myokit::error_per_ms(name) * fixed.step_ms),
+            (model.usual_settings(), myokit::ADAPTIVE),
+        ];
+        for (settings, bound) in ways {
+            let ours = solve(&*model, protocol, settings, 600.0, 10.0).unwrap();
+            assert_eq!(ours.time_ms.len(), theirs.len());
+            for (state, column) in ours.states.iter().enumerate() {
+                let size = theirs.iter().map(|row| row[1 + state].abs()).fold(0.0, f64::max);
+                for (value, row) in column.iter().zip(theirs) {
+                    let off = (value - row[1 + state]) / size;
+                    let variable = model.state_names()[state];
+                    assert!(
+                        off.abs() < bound,
+                        "{name} by {}: {variable} at {} ms off by {off} of its size",
+                        settings.method,
+                        row[0]
+                    );
+                }
             }
         }
     }

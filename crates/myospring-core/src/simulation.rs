@@ -97,7 +97,7 @@ pub struct Numerics {
     /// Interval of the recorded shapes, ms, a multiple of the output interval; 5. The shape at the
     /// peak of tension is recorded, too.
     pub frame_interval: f64,
-    /// Integration of the cell model; `None` takes [`CellModel::usual_settings`].
+    /// Integration of the cell model; `None` takes [`CellModel::usual_settings`], in a tissue [`SolverSettings::coupled`].
     pub cell: Option<SolverSettings>,
     /// Engine of a run in time: by default the fastest that can move this mesh, on one thread.
     /// [`crate::integrate::stencil::worthwhile_threads`] gives the useful number of threads.
@@ -257,6 +257,8 @@ impl Simulation {
 
     /// How the cell model is integrated: as [`Numerics::cell`] says, or as is usual for the model.
     pub fn cell_settings(&self) -> SolverSettings {
-        self.numerics.cell.unwrap_or_else(|| self.cell.usual_settings())
+        self.numerics
+            .cell
+            .unwrap_or_else(|| SolverSettings::usual(&*self.cell, self.tissue.is_some()))
     }
 }

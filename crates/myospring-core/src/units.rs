@@ -344,7 +344,8 @@ fn split_number(text: &str) -> (&str, &str) {
     (&text[..end], text[end..].trim())
 }
 
-/// Bytes of the decimal number with which a text begins: `-1.5e3`, `.5`, `5.`; 0 without one.
+/// Bytes of the decimal number with which a text begins: `-1.5e3`, `.5`, `5.`; 0 without one. To try whether each prefix is one takes
+/// seconds for 300 000 digits.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let signed = |from: usize| from + usize::from(matches!(bytes.get(from), Some(b'+' | b'-')));
@@ -352,20 +353,20 @@ fn number_length(text: &str) -> usize {
         |from: usize| bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
     let start = signed(0);
     let whole = start + digits(start);
-    let (mut end, mut many) = (whole, whole - start);
+    let (mut end, mut count) = (whole, whole - start);
     if bytes.get(end) == Some(&b'.') {
         let decimals = digits(end + 1);
         end += 1 + decimals;
-        many += decimals;
+        count += decimals;
     }
-    if many == 0 {
+    if count == 0 {
         return 0;
     }
     if matches!(bytes.get(end), Some(b'e' | b'E')) {
         let exponent = signed(end + 1);
-        let count = digits(exponent);
-        if count > 0 {
-            end = exponent + count;
+        let length = digits(exponent);
+        if length > 0 {
+            end = exponent + length;
         }
     }
     end
@@ -465,7 +466,6 @@ mod tests {
         }
     }
 
-    /// Trying each prefix takes a second for 200 000 digits.
     #[test]
     fn a_number_is_the_longest_prefix_that_reads_as_one() {
         let symbols = "+-.05eEm";

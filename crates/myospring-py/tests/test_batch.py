@@ -23,8 +23,7 @@ def test_a_row_has_the_numbers_of_the_beat_alone_whatever_else_is_in_the_batch(c
     values = myospring.simulate_batch(params, names, cell, metrics=METRICS)
     for row, (tension, tau) in zip(values, params):
         beat = myospring.simulate(
-            cell, peak_tension_kpa=tension, parameters={"tau_si": tau}, integrator="quasi-static",
-            cell_integrator="adaptive",
+            cell, peak_tension_kpa=tension, parameters={"tau_si": tau}, integrator="quasi-static"
         )
         np.testing.assert_array_equal(row, [beat.metrics[name] for name in METRICS])
     again = myospring.simulate_batch(params[::-1], names, cell, metrics=METRICS, threads=1)
@@ -35,8 +34,7 @@ def test_material_and_geometry_may_vary_too(cell):
     params = np.array([[150.0, 4.0, 5.0], [308.0, 4.0, 0.0]])
     values = myospring.simulate_batch(params, ["young_modulus_kpa", "spacing_um", "rotate_deg"], metrics=METRICS)
     soft = myospring.simulate(
-        myospring.Cell.builtin(spacing_um=4.0, rotate_deg=5.0), young_modulus_kpa=150.0, integrator="quasi-static",
-        cell_integrator="adaptive",
+        myospring.Cell.builtin(spacing_um=4.0, rotate_deg=5.0), young_modulus_kpa=150.0, integrator="quasi-static"
     )
     np.testing.assert_array_equal(values[0], [soft.metrics[name] for name in METRICS])
     assert values[0, 0] > values[1, 0]
@@ -51,7 +49,7 @@ def test_a_batch_takes_the_usual_methods_of_studies_where_the_model_allows_them(
     assert (values() != fixed).any()
     # As far as fixed steps are right themselves.
     np.testing.assert_allclose(values(), fixed, rtol=2e-3)
-    # What excludes the usual methods, and a model that does not know them.
+    # A step is that of fixed steps. Another model has its own method.
     np.testing.assert_array_equal(values(cell_step_ms=0.005), fixed)
     of_land = myospring.simulate_batch([[10.0]], ["thickness_um"], cell, metrics=METRICS[:1], model="land_2017")
     assert np.isfinite(of_land).all()

@@ -3,14 +3,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may stop here")]
 
+use myospring::cell::solve::CellMethod;
 use myospring::mechanics::support::SupportKind;
 use myospring::mesh::carried::Carried;
 use myospring::mesh::outline::Outline;
 use myospring::mesh::quality::outline_dimensions;
 use myospring::recording::{AXIAL_FORCE, Recording};
 use myospring::run_file::{PRESETS, RunFile, schema, template};
-use myospring::settings::{Places, Value};
-use myospring::simulation::{Numerics, Simulation};
+use myospring::settings::{Places, Run, Value};
+use myospring::simulation::Simulation;
 use std::path::{Path, PathBuf};
 
 #[path = "run_files/extremes.rs"]
@@ -66,11 +67,7 @@ fn every_good_run_file_and_example_resolves_to_a_run_that_survives_writing_and_r
         let second = RunFile::from_text(&written).unwrap().resolve().unwrap();
         assert_eq!(first.to_run_file(), second.to_run_file(), "{}", path.display());
         assert_eq!(first.material, second.material);
-        assert_eq!(first.cell_settings(), second.cell_settings());
-        assert_eq!(
-            Numerics { cell: None, ..first.numerics },
-            Numerics { cell: None, ..second.numerics }
-        );
+        assert_eq!(first.numerics, second.numerics);
         assert_eq!(first.protocol, second.protocol);
         assert_eq!(first.shape, second.shape);
         assert_eq!(first.cell.parameters().rows().len(), second.cell.parameters().rows().len());
@@ -86,7 +83,7 @@ fn the_template_resolves_to_exactly_the_defaults_and_shows_every_key() {
     let from_template = RunFile::from_text(&text).unwrap().resolve().unwrap();
     let default = RunFile::default().resolve().unwrap();
     assert_eq!(from_template.to_run_file(), default.to_run_file());
-    assert_eq!(from_template.cell_settings(), default.cell_settings());
+    assert_eq!(from_template.numerics, default.numerics);
     assert!(text.lines().all(|line| line.chars().count() <= 100));
     for (table, row) in schema()["properties"].as_object().unwrap() {
         for key in row["properties"].as_object().into_iter().flatten().map(|(key, _)| key) {
@@ -111,7 +108,6 @@ fn every_commented_key_of_the_template_is_valid_where_it_stands() {
         "ratio_max",
         "tension",
         "tension_clock",
-        "step",
         "velocity_ratio",
         "conductivity",
         "stimulated",
@@ -198,6 +194,23 @@ fn defaults_are_those_of_the_simulation() {
     assert_eq!(made.tissue, usual.tissue);
     assert_eq!((&made.long_axis, &made.fibres), (&usual.long_axis, &usual.fibres));
     assert_eq!(run.stimulus_times(), [50.0]);
+}
+
+#[test]
+fn a_step_alone_takes_fixed_steps_and_a_written_run_serves_a_tissue() {
+    let of = |text: &str| RunFile::from_text(text).unwrap().resolve().unwrap();
+    let method = |run: &Run| (run.cell_settings().method, run.cell_settings().step_ms);
+    assert_eq!(of("").cell_settings().method, CellMethod::Adaptive);
+    let step = "[cell]\nstep = \"0.01 ms\"";
+    assert_eq!(method(&of(step)), (CellMethod::RungeKutta4, 0.01));
+    let tissue = format!("{step}\n[shape]\nbuilt_in = \"tissue_strip\"");
+    assert_eq!(method(&of(&tissue)), (CellMethod::ForwardEuler, 0.01));
+
+    let mut tissue = of("").to_run_file();
+    tissue.set("tissue.conduction_velocity", "20 cm/s").unwrap();
+    assert_eq!(method(&tissue.resolve().unwrap()), (CellMethod::ForwardEuler, 0.02));
+    // What was stated is written.
+    assert_eq!(of(step).to_run_file().get("cell.integrator"), Some(&"runge-kutta-4".into()));
 }
 
 #[test]

@@ -174,12 +174,12 @@ fn with_own_upstroke(
     let own = recording.signals.iter().find(|signal| signal.is(STEEPEST_RISE));
     let row = beat.action_potential.iter_mut().find(|metric| metric.name == UPSTROKE);
     if let (Some(own), Some(row)) = (own, row) {
-        let samples = recording.samples.iter().zip(&own.values);
+        let samples = &recording.samples;
         // The sample at a stimulus still belongs to the previous beat.
-        let within = samples.filter(|(it, _)| stimulus_ms < it.t_ms && it.t_ms < next_ms);
-        if let (Some(_), Some(steepest)) =
-            (row.value, within.map(|(_, rate)| *rate).reduce(f64::max))
-        {
+        let from = samples.partition_point(|sample| sample.t_ms <= stimulus_ms);
+        let to = samples.partition_point(|sample| sample.t_ms < next_ms);
+        let within = own.values.get(from..to).unwrap_or_default();
+        if let (Some(_), Some(steepest)) = (row.value, within.iter().copied().reduce(f64::max)) {
             row.value = Some(steepest);
             row.definition = "largest rate of the potential by the model's own equations, at every step of their solution \
                               and without the current of the stimulus";

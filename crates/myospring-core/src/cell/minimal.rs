@@ -180,7 +180,7 @@ impl CellModel for MinimalModel {
         Stimulation::of_first_state(self.identity.stimulus)
     }
 
-    /// Steps of its own choice, cut where the equations jump.
+    /// Adaptive steps, cut where the equations jump.
     fn usual_settings(&self) -> SolverSettings {
         SolverSettings::of(CellMethod::Adaptive)
     }
@@ -193,7 +193,7 @@ impl CellModel for MinimalModel {
         self.identity.millivolts.map(|(slope, offset)| slope * state[0] + offset)
     }
 
-    /// The equations never make it negative; the cubic between two steps may be so within the tolerance.
+    /// The exact one is never negative; within the tolerance of adaptive steps it may be.
     fn tension(&self, state: &[f64], _input: &Input) -> f64 {
         // NaN stays.
         if state[5] < 0.0 { 0.0 } else { state[5] }

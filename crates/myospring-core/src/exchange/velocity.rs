@@ -36,6 +36,11 @@ impl SolverSettings {
         };
         Self { step_ms: STEP_MS, ..Self::of(method) }
     }
+
+    /// How a cell model is usually integrated, in a tissue or not.
+    pub fn usual(model: &dyn CellModel, in_tissue: bool) -> Self {
+        if in_tissue { Self::coupled(model) } else { model.usual_settings() }
+    }
 }
 
 impl Conduction {

@@ -91,7 +91,7 @@ impl Beating<'_> {
     ) -> Result<WholeCell, SolveError> {
         let Self { simulation, cell, strength, .. } = *self;
         let mut settings = simulation.cell_settings();
-        // The default step is for the upstroke of the action potential; myofilaments are slower.
+        // A step of 0.005 ms is for the upstroke of the action potential; myofilaments are slower.
         if settings.method == CellMethod::RungeKutta4
             && cell.potential(&cell.initial_state()).is_none()
         {

@@ -26,7 +26,7 @@ const ACCEPTED: f64 = 0.01;
 const LONGEST: f64 = 8.0;
 /// Time over which the tension is looked at, ms.
 const LOOKED_AT: f64 = 1000.0;
-/// A peak of tension, as a part of the strongest expected one.
+/// Smallest tension that counts as a contraction, as a part of the strongest expected one.
 const NOTICED: f64 = 0.01;
 /// Steps of the mass on its spring in a period.
 const STEPS: f64 = 60.0;
@@ -123,7 +123,6 @@ impl Simulation {
             return Ok(None);
         }
         let (every, mut peak) = (self.numerics.exchange_interval, cell.tension().at(0));
-        // Below, nothing has begun to contract.
         let noticed = NOTICED * cell.strongest().tension;
         let mut course = vec![[0.0, peak]];
         for interval in 1..=(self.duration.min(LOOKED_AT) / every).round() as u32 {
@@ -137,7 +136,8 @@ impl Simulation {
             let tension = cell.tension().at(0);
             course.push([time, tension]);
             peak = peak.max(tension);
-            if peak > noticed && tension < 0.5 * peak {
+            // Before the stimulus there may be tension of earlier beats.
+            if time > self.protocol.start_ms && peak > noticed && tension < 0.5 * peak {
                 break;
             }
         }

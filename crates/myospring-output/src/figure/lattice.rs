@@ -51,7 +51,8 @@ pub(super) fn springs(
     for &(way, first, _) in shown.iter().filter(|&&(way, from, _)| !reached.contains(&(way, from)))
     {
         let follow = |&node: &usize| next.get(&(way, node)).copied();
-        let line: Vec<[f64; 2]> = std::iter::successors(Some(first), follow).map(&at).collect();
+        let line: Vec<[f64; 2]> =
+            std::iter::successors(Some(first), follow).take(mesh.len()).map(&at).collect();
         match line[..] {
             [from, .., to] if is_straight(&line) => lines.add_line([from, to]),
             _ => lines.add_line(line),
@@ -60,7 +61,7 @@ pub(super) fn springs(
     lines
 }
 
-/// Whether points lie between the first and the last, to half of what a path tells apart.
+/// Whether points lie on the line from the first to the last, to half a hundredth of a px.
 fn is_straight(line: &[[f64; 2]]) -> bool {
     let [Some(from), Some(to)] = [line.first(), line.last()] else { return true };
     let along = [to[0] - from[0], to[1] - from[1]];
@@ -126,4 +127,80 @@ pub fn mesh(mesh: &Mesh) -> Result<Figure, FigureError> {
     let style = Style::new(TICK).anchor(Anchor::End).colour(MUTED);
     sheet.text([page - margin, bottom + 19.5], &numbers, style);
     Ok(sheet.finish(page, bottom + 28.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sheet::{Step, hundredths};
+    use super::*;
+    use myospring_core::mesh::lattice;
+
+    type Piece = [[i32; 2]; 2];
+
+    /// The pieces of lines between neighbouring ones of these points, in order.
+    fn pieces(lines: &Path, points: &[[i32; 2]]) -> Vec<Piece> {
+        let (mut all, mut from) = (Vec::new(), [0; 2]);
+        for step in &lines.steps {
+            if let Step::Line(to) = *step {
+                let [x, y] = [0, 1].map(|axis: usize| f64::from(to[axis] - from[axis]));
+                let length = x.hypot(y);
+                let is_on = |point: &&[i32; 2]| {
+                    let [a, b] = [0, 1].map(|axis: usize| f64::from(point[axis] - from[axis]));
+                    let [along, off] = [(x * a + y * b) / length, (x * b - y * a) / length];
+                    off.abs() < 2.0 && (-1.0..=length + 1.0).contains(&along)
+                };
+                let mut on: Vec<[i32; 2]> = points.iter().filter(is_on).copied().collect();
+                on.sort_unstable();
+                all.extend(on.windows(2).map(|pair| [pair[0], pair[1]]));
+            }
+            if let Step::Move(to) | Step::Line(to) = *step {
+                from = to;
+            }
+        }
+        all.sort_unstable();
+        all
+    }
+
+    #[test]
+    fn joined_springs_are_all_springs_of_a_lattice_at_rest_and_moved() {
+        let whole = lattice::rectangle(9, 6, 5.0).unwrap();
+        // A hole and a notch, which part lines.
+        let mut cut = whole.clone();
+        cut.springs.retain(|spring| {
+            let [[a, b], [c, d]] = spring.nodes.map(|node| whole.point(node as usize));
+            let [x, y] = [0.5 * (a + c), 0.5 * (b + d)];
+            !(x > 10.0 && x < 20.0 && y > 10.0 && y < 20.0 || x > 30.0 && y < 10.0)
+        });
+        for (mesh, bent) in [(&whole, 0.0), (&whole, 0.2), (&cut, 0.0), (&cut, 0.2)] {
+            let at = |node: usize| {
+                let [x, y] = mesh.point(node);
+                [20.0 * x, 20.0 * y + bent * x * x]
+            };
+            let points: Vec<[i32; 2]> =
+                (0..mesh.len()).map(|node| at(node).map(hundredths)).collect();
+            for kind in [SpringKind::Axial, SpringKind::Diagonal] {
+                let all = |every: u32| {
+                    let of_kind = mesh.springs.iter().filter(|spring| spring.kind == kind);
+                    let alone = of_kind.filter_map(|spring| {
+                        let [a, b] = spring.nodes.map(|node| node as usize);
+                        let [from, to] =
+                            [a, b].map(|node| mesh.lattice.as_ref().unwrap().cells[node]);
+                        let line = if from[0] == to[0] { from[0] } else { from[1] };
+                        let mut ends = [points[a], points[b]];
+                        ends.sort_unstable();
+                        line.is_multiple_of(every).then_some(ends)
+                    });
+                    let mut all: Vec<Piece> = alone.collect();
+                    all.sort_unstable();
+                    all
+                };
+                let lines = springs(mesh, kind, 1, at);
+                assert_eq!(pieces(&lines, &points), all(1), "{kind:?}, bent by {bent}");
+                assert!(lines.steps.len() < all(1).len() * 3 / 2);
+                if kind == SpringKind::Axial {
+                    assert_eq!(pieces(&springs(mesh, kind, 2, at), &points), all(2));
+                }
+            }
+        }
+    }
 }

@@ -57,10 +57,8 @@ def simulate_batch(
 ) -> NDArray[np.float64] | tuple[NDArray[np.float64], list[str | None]]:
     """Simulates a cell once for each row of a matrix.
 
-    The mesh follows the tension along its equilibria (``integrator="quasi-static"``), and minimal cell models are
-    integrated with adaptive steps (``cell_integrator="adaptive"``), unless other methods are given: fixed steps would
-    take most of a member's time and change its metrics by less than their own error. Members that differ only in the
-    cell model share the mechanics. The metrics of a member do not depend, to the last bit, on the other members, their
+    The mesh follows the tension along its equilibria (``integrator="quasi-static"``), unless another method is given.
+    Members that differ only in the cell model share the mechanics. The metrics of a member do not depend, to the last bit, on the other members, their
     order or the number of threads.
 
     Parameters

@@ -143,6 +143,8 @@ mod tests {
     #[test]
     fn every_number_of_a_run_can_be_multiplied_by_one_and_stays_what_it_is() {
         let mut run = Run::default_run();
+        // A tolerance that was multiplied is stated.
+        run.numerics.cell = Some(run.cell_settings());
         let before = run.to_run_file();
         for NumericSetting { key, .. } in NumericSetting::all(&run) {
             match scale(&mut run, &[Factor { name: key.clone(), factor: 1.0 }]) {

@@ -2,7 +2,7 @@
 
 use super::error::RunFileError;
 use super::file::RunFile;
-use super::rules;
+use super::rules::{self, INTEGRATION};
 use crate::cell::solve::{CellMethod, SolverSettings};
 use crate::integrate::Method;
 use crate::settings::{Failure, Run, Source, Value, table};
@@ -29,13 +29,12 @@ impl RunFile {
                 setting.set(&mut run, value)?;
             }
         }
-        // A step is that of a method with fixed ones.
-        let own = run.cell_settings();
-        if own.method == CellMethod::Adaptive
-            && self.has("cell.step")
-            && !self.has("cell.integrator")
-        {
-            run.numerics.cell = Some(SolverSettings { method: CellMethod::RungeKutta4, ..own });
+        // Only fixed steps have a length: who states one means a method with them.
+        if self.has("cell.step") && !self.has("cell.integrator") {
+            let own = run.cell_settings_mut();
+            if own.method == CellMethod::Adaptive {
+                own.method = CellMethod::RungeKutta4;
+            }
         }
         if matches!(run.shape.source, Source::BuiltIn(shape) if shape.is_tissue) {
             run.tissue.get_or_insert_default().assume_velocity();
@@ -53,15 +52,17 @@ impl RunFile {
 
     /// Numerical settings that suit coupled cells, where the file states none.
     fn suit_tissue(&self, run: &mut Run) {
-        let suited = SolverSettings::coupled(&*run.cell);
         // Its size is not that of a cell.
         run.shape.any_size |= !self.has("shape.any_size");
         let stated = |key: &str| self.has(key) || self.has("cell.authors_step");
-        if !stated("cell.integrator") {
-            run.cell_settings_mut().method = suited.method;
-        }
-        if !stated("cell.step") {
-            run.cell_settings_mut().step_ms = suited.step_ms;
+        if let Some(own) = &mut run.numerics.cell {
+            let suited = SolverSettings::coupled(&*run.cell);
+            if !stated("cell.integrator") {
+                own.method = suited.method;
+            }
+            if !stated("cell.step") {
+                own.step_ms = suited.step_ms;
+            }
         }
         if !self.has("numerics.integrator") {
             run.numerics.method = Method::QuasiStatic;
@@ -76,9 +77,12 @@ impl RunFile {
 impl Run {
     /// Returns the run file of this run, with every default written out.
     ///
-    /// Spacing and time step are absent where the shape and the stability limit determine them.
+    /// Absent are spacing and time step where the shape and the stability limit determine them, and how the cell model is integrated
+    /// where that is as usual for it.
     pub fn to_run_file(&self) -> RunFile {
-        let values = table().filter_map(|setting| Some((setting.key, setting.get(self)?)));
+        let by_model = |key: &str| self.numerics.cell.is_none() && INTEGRATION.contains(&key);
+        let stated = table().filter(|setting| !by_model(setting.key));
+        let values = stated.filter_map(|setting| Some((setting.key, setting.get(self)?)));
         RunFile { values: values.collect(), models: self.models.clone() }
     }
 

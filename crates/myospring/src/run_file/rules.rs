@@ -15,6 +15,9 @@ use crate::units::{self, Dimension};
 
 type Checked = Result<(), Failure>;
 
+/// How the cell model is integrated.
+pub(super) const INTEGRATION: [&str; 3] = ["cell.integrator", "cell.step", "cell.tolerance"];
+
 /// Keys that name the shape of the cell.
 pub(crate) const SHAPES: [&str; 4] =
     ["shape.built_in", "shape.picture", "shape.outline", "shape.stack"];
@@ -300,9 +303,13 @@ fn cell_model(file: &RunFile, run: &Run) -> Checked {
         }
     }
     let authors = file.get("cell.authors_step") == Some(&Value::Flag(true));
-    let taken = ["cell.integrator", "cell.step", "cell.tolerance"];
-    if let Some(second) = taken.into_iter().find(|key| authors && file.has(key)) {
+    if let Some(second) = INTEGRATION.into_iter().find(|key| authors && file.has(key)) {
         return exclude("cell.authors_step", second, "leave one of them out");
+    }
+    if !file.has("cell.integrator") && file.has("cell.step") && file.has("cell.tolerance") {
+        let advice =
+            "a step is for fixed steps, a tolerance for adaptive ones; leave one of them out";
+        return exclude("cell.step", "cell.tolerance", advice);
     }
     let (second, advice) = if run.cell_settings().method.chooses_steps() {
         ("cell.step", "this method chooses its steps by the tolerance; leave the step out")

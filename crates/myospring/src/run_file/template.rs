@@ -18,7 +18,7 @@ use std::fmt::Write;
 /// # Ok::<(), myospring::run_file::RunFileError>(())
 /// ```
 pub fn template() -> String {
-    let run = Run::default_run();
+    let usual = Run::default_run().to_run_file();
     let mut text = String::from(
         "# Run file of Myospring: myospring run FILE.toml\n\
          # Every key may be left out; the values here are the defaults. Values carry their unit.\n",
@@ -31,8 +31,8 @@ pub fn template() -> String {
         for setting in table.settings {
             text.push_str(&comment(&about(setting)));
             let name = setting.name();
-            let line = match (setting.get(&run), setting.example()) {
-                (Some(default), _) => format!("{name} = {}\n", written(&default)),
+            let line = match (usual.get(setting.key), setting.example()) {
+                (Some(default), _) => format!("{name} = {}\n", written(default)),
                 (None, Some(example)) => format!("# {name} = {}\n", written(&example)),
                 (None, None) => format!("# {name} = \"\"\n"),
             };

@@ -506,10 +506,11 @@ impl Run {
 
     /// How the cell model is integrated: as is set, or as is usual for the model.
     pub fn cell_settings(&self) -> SolverSettings {
-        self.numerics.cell.unwrap_or_else(|| self.cell.usual_settings())
+        let usual = || SolverSettings::usual(&*self.cell, self.tissue.is_some());
+        self.numerics.cell.unwrap_or_else(usual)
     }
 
-    /// The same, to be changed.
+    /// How the cell model is integrated, to be changed; the usual settings are those of this run from now on.
     pub(crate) fn cell_settings_mut(&mut self) -> &mut SolverSettings {
         let usual = self.cell_settings();
         self.numerics.cell.get_or_insert(usual)

@@ -204,6 +204,13 @@ mod tests {
                 1e-3,
             ),
             key(&*model, pacing, SolverSettings { tolerance: 1e-6, ..settings }, 1e-3),
+            key(&*model, pacing, SolverSettings::default(), 1e-3),
+            key(
+                &*model,
+                pacing,
+                SolverSettings { step_ms: 0.01, ..SolverSettings::default() },
+                1e-3,
+            ),
             key(&*model, pacing, settings, 1e-4),
             key(&*cell::model("bueno_orovio_2008_epi").unwrap(), pacing, settings, 1e-3),
         ];

@@ -404,7 +404,10 @@ fn of_human_cells(tissue: Option<Coupling>, support: SupportKind, exchange_ms: f
         ..Simulation::new(lattice::rectangle(12, 2, 250.0).unwrap())
     };
     simulation.numerics.method = Method::QuasiStatic;
-    simulation.numerics.cell = Some(SolverSettings::coupled(&*cell));
+    // Usual in a tissue.
+    if simulation.tissue.is_none() {
+        simulation.numerics.cell = Some(SolverSettings::coupled(&*cell));
+    }
     simulation.numerics.exchange_interval = exchange_ms;
     simulation.numerics.output_interval = 4.0;
     simulation.numerics.frame_interval = 4.0;

@@ -29,7 +29,7 @@ pub(in crate::experiment) fn write(
     } = finished;
     let recording = &outcome.recording;
     let mesh = &simulation.mesh;
-    // Not before: other figures do not wait for it.
+    // Made by the first figure that needs it, so that the others begin at once. On one thread: work on several could come back here.
     let cell = OnceLock::new();
     let cell = || cell.get_or_init(|| finished.cell()).as_ref().map_err(Clone::clone);
     let reference = band("peak_shortening")

@@ -236,8 +236,8 @@ pub(super) const ROWS: &[Setting] = &[
     ),
     Setting::quantity(
         "cell.step",
-        "Largest time step of the cell model, for a method with fixed steps. A minimal model that has a step and no method takes \
-         runge-kutta-4.",
+        "Largest time step of the cell model, for a method with fixed steps. If only the step is given, \
+         minimal models take runge-kutta-4.",
         // Shorter steps need minutes for a beat without changing the result.
         Bounds::any(Dimension::Time, "0.005 ms").from(1e-5).to(1.0),
         |run| {
@@ -246,7 +246,7 @@ pub(super) const ROWS: &[Setting] = &[
         },
         |run, step| run.cell_settings_mut().step_ms = step,
     )
-    .otherwise("suited to the method and the cell model: 0.005 ms, for land_2017 0.05 ms"),
+    .otherwise("that of the method and the cell model: adaptive steps have none; 0.005 ms, for land_2017 0.05 ms, in a tissue 0.02 ms"),
     Setting::quantity(
         "cell.tolerance",
         "Largest error of a step relative to the size of each variable, for a method with adaptive \
