@@ -316,9 +316,10 @@ def simulate(
     cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
         Integration method of the cell model, with fixed or adaptive steps.
     cell_step_ms : float or None
-        Largest time step of the cell model, for a method with fixed steps. A minimal model that has
-        a step and no method takes runge-kutta-4. In ms, 1e-5 ms to 1 ms. None: suited to the method
-        and the cell model: 0.005 ms, for land_2017 0.05 ms.
+        Largest time step of the cell model, for a method with fixed steps. If only the step is
+        given, minimal models take runge-kutta-4. In ms, 1e-5 ms to 1 ms. None: that of the method
+        and the cell model: adaptive steps have none; 0.005 ms, for land_2017 0.05 ms, in a tissue
+        0.02 ms.
     cell_tolerance : float or None
         Largest error of a step relative to the size of each variable, for a method with adaptive
         steps. 1e-10 to 0.01. None: 0.00001.
@@ -676,9 +677,10 @@ def action_potential(
     cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
         Integration method of the cell model, with fixed or adaptive steps.
     cell_step_ms : float or None
-        Largest time step of the cell model, for a method with fixed steps. A minimal model that has
-        a step and no method takes runge-kutta-4. In ms, 1e-5 ms to 1 ms. None: suited to the method
-        and the cell model: 0.005 ms, for land_2017 0.05 ms.
+        Largest time step of the cell model, for a method with fixed steps. If only the step is
+        given, minimal models take runge-kutta-4. In ms, 1e-5 ms to 1 ms. None: that of the method
+        and the cell model: adaptive steps have none; 0.005 ms, for land_2017 0.05 ms, in a tissue
+        0.02 ms.
     cell_tolerance : float or None
         Largest error of a step relative to the size of each variable, for a method with adaptive
         steps. 1e-10 to 0.01. None: 0.00001.
