@@ -64,16 +64,16 @@ fn case(name: &str, beats: u32, fine_step_ms: f64) -> Result<Case, Failure> {
         Stimulus::Pulse { amplitude, duration_ms } => (amplitude, duration_ms),
     };
     let duration = if beats == 1 { 600.0 } else { f64::from(beats) * protocol.cycle_length_ms };
-    let (usual, rate) = (SolverSettings::default(), error_per_ms(name));
-    let fine = SolverSettings { step_ms: fine_step_ms, ..usual };
+    let (fixed, rate) = (SolverSettings::default(), error_per_ms(name));
+    let fine = SolverSettings { step_ms: fine_step_ms, ..fixed };
     let adaptive = model.usual_settings();
     let order = format!("order 1 at the model's thresholds: {rate} per ms of step");
     let each = format!("a tolerance of {} for each step", adaptive.tolerance);
     let (mut time_ms, mut solutions) = (Vec::new(), Vec::new());
     for (name, settings, tolerance, reason) in [
         (format!("fine step of {fine_step_ms} ms"), fine, rate * fine_step_ms, &order),
-        (format!("usual step of {} ms", usual.step_ms), usual, rate * usual.step_ms, &order),
-        ("steps of a run, adaptive".to_owned(), adaptive, ADAPTIVE, &each),
+        (format!("step of {} ms", fixed.step_ms), fixed, rate * fixed.step_ms, &order),
+        ("adaptive steps, as in a run".to_owned(), adaptive, ADAPTIVE, &each),
     ] {
         let trace = solve(&*model, protocol, settings, duration, 1.0)?;
         let (reason, states) = (reason.clone(), trace.states);

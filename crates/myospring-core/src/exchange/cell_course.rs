@@ -3,7 +3,7 @@
 use crate::cell::integrator::CellIntegrator;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Greatest number of intervals that are kept: 2.5 s at the usual one, about 6 MB for the minimal model.
+/// Greatest number of intervals that are kept: 2.5 s at the usual one, some 15 MB for the minimal model.
 const MOST: usize = 10_000;
 
 /// A cell at the end of each exchange interval, as far as a run has needed it.

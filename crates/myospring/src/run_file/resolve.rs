@@ -2,7 +2,7 @@
 
 use super::error::RunFileError;
 use super::file::RunFile;
-use super::rules::{self, INTEGRATION};
+use super::rules;
 use crate::cell::solve::{CellMethod, SolverSettings};
 use crate::integrate::Method;
 use crate::settings::{Failure, Run, Source, Value, table};
@@ -77,12 +77,9 @@ impl RunFile {
 impl Run {
     /// Returns the run file of this run, with every default written out.
     ///
-    /// Absent are spacing and time step where the shape and the stability limit determine them, and how the cell model is integrated
-    /// where that is as usual for it.
+    /// Spacing and time step are absent where the shape and the stability limit determine them.
     pub fn to_run_file(&self) -> RunFile {
-        let by_model = |key: &str| self.numerics.cell.is_none() && INTEGRATION.contains(&key);
-        let stated = table().filter(|setting| !by_model(setting.key));
-        let values = stated.filter_map(|setting| Some((setting.key, setting.get(self)?)));
+        let values = table().filter_map(|setting| Some((setting.key, setting.get(self)?)));
         RunFile { values: values.collect(), models: self.models.clone() }
     }
 

@@ -1,6 +1,7 @@
 //! Template: a commented run file with every key and its default.
 
 use super::file::written;
+use super::rules::INTEGRATION;
 use super::schema::described;
 use crate::settings::{Run, Setting, tables};
 use std::fmt::Write;
@@ -18,7 +19,11 @@ use std::fmt::Write;
 /// # Ok::<(), myospring::run_file::RunFileError>(())
 /// ```
 pub fn template() -> String {
-    let usual = Run::default_run().to_run_file();
+    let mut usual = Run::default_run().to_run_file();
+    // Each model has its own way, also one that is put in.
+    for key in INTEGRATION {
+        usual.remove(key);
+    }
     let mut text = String::from(
         "# Run file of Myospring: myospring run FILE.toml\n\
          # Every key may be left out; the values here are the defaults. Values carry their unit.\n",
