@@ -16,7 +16,7 @@ use super::{FigureError, font};
 
 /// Pixels of a band, which stay in the second-level cache.
 const AT_ONCE: u32 = 1 << 17;
-/// Level of deflate: half the time of level 6, and files that are 5 % larger.
+/// Level of deflate: half the time of level 6, and files that are larger by some per cent.
 const LEVEL: u8 = 4;
 
 /// Draws a figure with `dpi` pixels per inch.
