@@ -314,7 +314,8 @@ def simulate(
         Integrate the cell model as the authors of `coelho_2021` did (staggered Euler, 0.05 ms); its
         peak tension is 4 % low, its onset 20 ms late. Not together with method or step.
     cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
-        Integration method of the cell model, with fixed or adaptive steps.
+        Integration method of the cell model, with fixed or adaptive steps. None: that of the cell
+        model: adaptive for the minimal models, stiff for ToR-ORd, else mostly runge-kutta-4.
     cell_step_ms : float or None
         Largest time step of the cell model, for a method with fixed steps. If only the step is
         given, minimal models take runge-kutta-4. In ms, 1e-5 ms to 1 ms. None: that of the method
@@ -675,7 +676,8 @@ def action_potential(
         none, for the membrane alone with the tension that the file may have. None: the file's own
         tension; land_2017 for a file without one that has calcium.
     cell_integrator : {"runge-kutta-4", "forward-euler", "staggered-euler", "rush-larsen", "adaptive", "stiff"} or None
-        Integration method of the cell model, with fixed or adaptive steps.
+        Integration method of the cell model, with fixed or adaptive steps. None: that of the cell
+        model: adaptive for the minimal models, stiff for ToR-ORd, else mostly runge-kutta-4.
     cell_step_ms : float or None
         Largest time step of the cell model, for a method with fixed steps. If only the step is
         given, minimal models take runge-kutta-4. In ms, 1e-5 ms to 1 ms. None: that of the method

@@ -233,7 +233,8 @@ pub(super) const ROWS: &[Setting] = &[
             get: |run| Some(run.cell_settings().method.word()),
             set: |run, word| choose(&mut run.cell_settings_mut().method, word),
         },
-    ),
+    )
+    .otherwise("that of the cell model: adaptive for the minimal models, stiff for ToR-ORd, else mostly runge-kutta-4"),
     Setting::quantity(
         "cell.step",
         "Largest time step of the cell model, for a method with fixed steps. If only the step is given, \
