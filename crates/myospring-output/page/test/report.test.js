@@ -499,7 +499,12 @@ test("a batch shows every cell, small, with its outline, and lists its numbers; 
   for (const [colorScheme, width] of /** @type {const} */ ([["light", 1400], ["dark", 390]])) {
     await opened(path, { ...STILL, colorScheme, viewport: { width, height: 800 } }, async (page) => {
       assert.match((await page.textContent("#answer")) ?? "", /^2 cells of 2 pictures beat, 1 left out/);
-      const small = await page.$$eval(".gallery img", (all) => all.map((it) => /** @type {HTMLImageElement} */ (it).naturalWidth));
+      const small = await page.$$eval(".gallery img", async (all) => {
+        const pictures = /** @type {HTMLImageElement[]} */ (all);
+        // They may not be read yet.
+        await Promise.all(pictures.map((it) => it.decode()));
+        return pictures.map((it) => it.naturalWidth);
+      });
       assert.ok(small.length === 3 && small.every((size) => size > 50 && size <= 161), small.join());
       assert.equal(await page.locator(".gallery .mark.out").count(), 1);
       assert.equal(await page.locator("tbody tr").count(), 3);
