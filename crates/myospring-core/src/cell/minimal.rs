@@ -193,7 +193,7 @@ impl CellModel for MinimalModel {
         self.identity.millivolts.map(|(slope, offset)| slope * state[0] + offset)
     }
 
-    /// The exact one is never negative; within the tolerance of adaptive steps it may be.
+    /// At least 0, as the exact tension is: adaptive steps may make the state slightly negative.
     fn tension(&self, state: &[f64], _input: &Input) -> f64 {
         // NaN stays.
         if state[5] < 0.0 { 0.0 } else { state[5] }

@@ -24,10 +24,12 @@ pub(super) fn png(figure: &Figure, dpi: f64) -> Result<Vec<u8>, FigureError> {
     if !(10.0..=2400.0).contains(&dpi) {
         return Err(FigureError::Resolution { dpi });
     }
-    let (size, list) = listed(figure, dpi);
+    let list = listed(figure, dpi);
     // Areas of one colour are shorter unfiltered, photographs filtered.
     let filter = if has_picture(&list.marks) { Filter::Adaptive } else { Filter::NoFilter };
-    encoded(size, ColorType::Rgb, filter, Some(dpi), |rows| list.paint(AT_ONCE, |band| rows(band)))
+    encoded(list.size, ColorType::Rgb, filter, Some(dpi), |rows| {
+        list.paint(AT_ONCE, |band| rows(band))
+    })
 }
 
 /// A painted figure: red, green and blue of each pixel, row by row from the top left.
@@ -38,14 +40,14 @@ pub(super) struct Pixels {
 
 /// Paints a figure with `dpi` pixels per inch.
 pub(super) fn painted(figure: &Figure, dpi: f64) -> Result<Pixels, FigureError> {
-    let (size, list) = listed(figure, dpi);
+    let list = listed(figure, dpi);
     let mut colours = Vec::new();
     let whole: io::Result<()> = list.paint(AT_ONCE, |band| {
         colours.extend_from_slice(band);
         Ok(())
     });
     whole.map_err(unpainted)?;
-    Ok(Pixels { size, colours })
+    Ok(Pixels { size: list.size, colours })
 }
 
 /// Encodes a grey picture for embedding.
@@ -85,8 +87,8 @@ fn unpainted(error: impl Into<EncodingError>) -> FigureError {
     FigureError::Raster { reason: error.into().to_string() }
 }
 
-/// The size of a figure with `dpi` pixels per inch, and what is painted of it.
-fn listed(figure: &Figure, dpi: f64) -> ([u32; 2], List) {
+/// What is painted of a figure with `dpi` pixels per inch.
+fn listed(figure: &Figure, dpi: f64) -> List {
     let size = figure.size.map(|length| (length * dpi / 96.0).round().max(1.0) as u32);
     // The last row and column are covered completely even if the size was rounded up.
     let [x, y] = [0, 1].map(|axis: usize| f64::from(size[axis]) / figure.size[axis]);
@@ -97,10 +99,10 @@ fn listed(figure: &Figure, dpi: f64) -> ([u32; 2], List) {
         marks: Vec::new(),
     };
     list.marks = list.of(&figure.elements);
-    (size, list)
+    list
 }
 
-/// What is painted, in order, in pixels.
+/// The marks of a figure, in the order in which they are painted, in pixels.
 struct List {
     size: [u32; 2],
     paper: Colour,
@@ -219,7 +221,8 @@ impl List {
         self.draw(marks, &outlines, Look::fill(style.colour), to);
     }
 
-    /// Paints bands of about so many pixels, and passes on their colours from the top: red, green and blue of each pixel.
+    /// Paints one band of about `at_once` pixels after the other, from the top. `each` receives its colours: red, green and blue of
+    /// each pixel.
     fn paint(&self, at_once: u32, mut each: impl FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
         let [width, height] = self.size;
         // In bands of one or two rows tiny-skia draws no thin lines.
@@ -414,7 +417,8 @@ mod tests {
         let figure = sheet.finish(96.0, 48.0);
 
         for dpi in [96.0, 300.0] {
-            let (size, list) = listed(&figure, dpi);
+            let list = listed(&figure, dpi);
+            let size = list.size;
             let of = |at_once: u32| {
                 let mut colours = Vec::new();
                 let all = list.paint(at_once, |band| {

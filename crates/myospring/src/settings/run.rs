@@ -510,7 +510,7 @@ impl Run {
         self.numerics.cell.unwrap_or_else(usual)
     }
 
-    /// How the cell model is integrated, to be changed; the usual settings are those of this run from now on.
+    /// The integration of the cell model, to change it. A run without its own gets the usual settings first.
     pub(crate) fn cell_settings_mut(&mut self) -> &mut SolverSettings {
         let usual = self.cell_settings();
         self.numerics.cell.get_or_insert(usual)

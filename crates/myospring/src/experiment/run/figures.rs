@@ -29,7 +29,8 @@ pub(in crate::experiment) fn write(
     } = finished;
     let recording = &outcome.recording;
     let mesh = &simulation.mesh;
-    // Made by the first figure that needs it, so that the others begin at once. On one thread: work on several could come back here.
+    // Made by the first figure that needs it, so that the others begin at once. `Finished::cell` must not use rayon: its thread could
+    // take up another figure meanwhile, which would wait here for ever.
     let cell = OnceLock::new();
     let cell = || cell.get_or_init(|| finished.cell()).as_ref().map_err(Clone::clone);
     let reference = band("peak_shortening")
