@@ -8,6 +8,7 @@ mod hold;
 mod manifest;
 mod names;
 mod reads;
+mod scratch;
 mod write;
 
 pub use bounded::read;
@@ -17,4 +18,5 @@ pub use hold::{Hold, hold};
 pub use manifest::{Manifest, sha256};
 pub use names::MANIFEST;
 pub use reads::Reads;
+pub use scratch::Scratch;
 pub use write::{check_writable, clear_parts, create_folder, write, write_with};

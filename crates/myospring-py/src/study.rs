@@ -174,8 +174,9 @@ impl Study {
 
     /// How many members were done with other values than they have now, and are worked on anew.
     #[getter]
-    fn changed(&self) -> usize {
-        self.progress().journal.changed(&self.parameters.members(Shard::WHOLE))
+    fn changed(&self) -> PyResult<usize> {
+        let changed = self.progress().journal.changed(&self.parameters.members(Shard::WHOLE));
+        changed.map_err(|error| errors::of_journal(&error))
     }
 
     /// What every member is: `"beat"` or `"cell"`.
@@ -229,9 +230,10 @@ impl Study {
     }
 
     /// Numbers of the members that are not done.
-    fn left<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
+    fn left<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u64>>> {
         let left = py.detach(|| self.parameters.left(Shard::WHOLE, &self.progress().journal));
-        PyArray1::from_iter(py, left.into_iter().map(|number| number as u64))
+        let left = left.map_err(|error| errors::of_journal(&error))?;
+        Ok(PyArray1::from_iter(py, left.into_iter().map(|number| number as u64)))
     }
 
     /// All that a worker needs beside the members' values: what [`Members`] are made of.

@@ -108,7 +108,7 @@ fn destination(path: &Path) -> Result<PathBuf, FileError> {
 }
 
 /// Creates a file beside another, under an unused hidden name.
-fn part_of(path: &Path) -> io::Result<(PathBuf, File)> {
+pub(super) fn part_of(path: &Path) -> io::Result<(PathBuf, File)> {
     let [before, after] = PART;
     let mut tries = 0;
     loop {

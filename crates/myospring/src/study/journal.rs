@@ -1,11 +1,13 @@
 //! Journal of finished members, one per line, from which an interrupted study resumes.
 
+mod lines;
+
 use super::{Member, StudyError};
 use crate::output::files::{self, FileError, Hold, MANIFEST, Manifest, Reads, hold, sha256};
+use lines::{Line, Lines};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{self, DirEntry, File};
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -35,8 +37,8 @@ struct Entry<R> {
 /// Each line ends with a checksum of the line and the settings. A damaged line, or one of another
 /// study, is ignored: its member is computed again ([`Journal::damaged`]).
 ///
-/// Rows stay on disk; memory holds only a hash of the name of each finished member and the position
-/// of its line.
+/// Rows stay on the disk, and so does the place of each, in a file without a name beside them: memory does not grow with the members
+/// that are done.
 pub struct Journal<M: Member> {
     state: Mutex<State<M::Row>>,
 }
@@ -49,56 +51,24 @@ enum State<R> {
 struct OnDisk {
     path: PathBuf,
     file: File,
-    /// By the digest of the member's name, which takes less memory than the name.
-    lines: BTreeMap<u64, Line>,
+    lines: Lines,
     /// Hash of the settings, the first input of each checksum.
     settings: String,
     damaged: usize,
     manifest: Manifest,
 }
 
+/// Members that are to be computed.
+pub(super) struct Left<'a, M> {
+    pub(super) members: Vec<&'a M>,
+    /// How many of them were computed with another input.
+    pub(super) changed: usize,
+}
+
 /// Content of an entry besides the name of its member.
 struct Done<R> {
     sha256: String,
     rows: Vec<R>,
-}
-
-/// Line of a finished member.
-#[derive(Debug, Clone, Copy)]
-struct Line {
-    /// Its start times [`LONGEST`], plus its length: one number takes half the memory of two.
-    place: u64,
-    /// Short hash of the hash of its input, enough to detect a changed input.
-    input: u64,
-}
-
-/// Lines are shorter than this, 256 MB; a journal then ends before 64 GB.
-const LONGEST: u64 = 1 << 28;
-
-impl Line {
-    /// Returns `None` if it is too long, or too far behind.
-    fn new(start: u64, length: usize, key: &str) -> Option<Self> {
-        let length = u64::try_from(length).ok().filter(|length| *length < LONGEST)?;
-        Some(Self { place: start.checked_mul(LONGEST)? + length, input: digest(key) })
-    }
-
-    fn start(self) -> u64 {
-        self.place / LONGEST
-    }
-
-    fn length(self) -> u64 {
-        self.place % LONGEST
-    }
-
-    fn is_of(self, key: &str) -> bool {
-        self.input == digest(key)
-    }
-}
-
-fn digest(text: &str) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    text.hash(&mut hasher);
-    hasher.finish()
 }
 
 impl<M: Member> Journal<M> {
@@ -138,7 +108,7 @@ impl<M: Member> Journal<M> {
         // Another study may have begun there in the meantime.
         Self::belongs(folder, settings)?;
         files::clear_parts(folder).map_err(|source| unwritten(folder, source))?;
-        let mut journal = Self::on_disk(path, file, settings, manifest);
+        let mut journal = Self::on_disk(path, file, settings, manifest)?;
         let read = journal.read::<M>();
         read.map_err(|source| unwritten(&journal.path, source))?;
         journal.manifest.write(SETTINGS, settings)?;
@@ -164,13 +134,19 @@ impl<M: Member> Journal<M> {
         cleared.and_then(|()| file.set_len(0)).map_err(|source| unwritten(&path, source))?;
         manifest.settle()?;
         manifest.write(SETTINGS, settings)?;
-        let journal = Self::on_disk(path, file, settings, manifest);
+        let journal = Self::on_disk(path, file, settings, manifest)?;
         Ok(Self { state: Mutex::new(State::OnDisk(journal)) })
     }
 
-    fn on_disk(path: PathBuf, file: File, settings: &str, manifest: Manifest) -> OnDisk {
+    fn on_disk(
+        path: PathBuf,
+        file: File,
+        settings: &str,
+        manifest: Manifest,
+    ) -> Result<OnDisk, StudyError> {
         let settings = sha256(settings.as_bytes());
-        OnDisk { path, file, lines: BTreeMap::new(), settings, damaged: 0, manifest }
+        let lines = Lines::new(&manifest.folder()).map_err(|source| unwritten(&path, source))?;
+        Ok(OnDisk { path, file, lines, settings, damaged: 0, manifest })
     }
 
     /// Checks that a study with these settings may resume or begin in a folder.
@@ -233,42 +209,62 @@ impl<M: Member> Journal<M> {
     }
 
     /// Marks members as not finished, because their results in other files are damaged.
-    pub(super) fn forget<'a>(&self, members: impl IntoIterator<Item = &'a M>)
+    ///
+    /// # Errors
+    /// Those of the disk.
+    pub(super) fn forget<'a>(
+        &self,
+        members: impl IntoIterator<Item = &'a M>,
+    ) -> Result<(), StudyError>
     where
         M: 'a,
     {
-        if let State::OnDisk(journal) = &mut *self.state() {
+        if let State::OnDisk(OnDisk { path, lines, damaged, .. }) = &mut *self.state() {
             for member in members {
-                journal.damaged +=
-                    usize::from(journal.lines.remove(&digest(member.name())).is_some());
+                let had = lines.remove(member.name()).map_err(|source| unwritten(path, source))?;
+                *damaged += usize::from(had);
             }
         }
+        Ok(())
     }
 
     /// Returns how many of these members were computed with another input; they are computed again.
-    pub fn changed(&self, members: &[M]) -> usize {
-        let left = self.left(members);
-        match &*self.state() {
-            State::InMemory(_) => 0,
-            State::OnDisk(journal) => {
-                let has = |member: &&&M| journal.lines.contains_key(&digest(member.name()));
-                left.iter().filter(has).count()
-            }
-        }
+    ///
+    /// # Errors
+    /// A journal that cannot be read.
+    pub fn changed(&self, members: &[M]) -> Result<usize, StudyError> {
+        Ok(self.left(members)?.changed)
     }
 
     /// Returns the members that are not finished, or whose input has changed since.
-    pub(super) fn left<'a>(&self, members: &'a [M]) -> Vec<&'a M> {
-        let state = self.state();
-        let unchanged = |member: &&M| match &*state {
-            State::InMemory(entries) => entries
-                .get(member.name())
-                .is_some_and(|entry| member.key().is_some_and(|key| key == entry.sha256)),
-            State::OnDisk(OnDisk { lines, .. }) => lines
-                .get(&digest(member.name()))
-                .is_some_and(|line| member.key().is_some_and(|key| line.is_of(&key))),
-        };
-        members.iter().filter(|member| !unchanged(member)).collect()
+    ///
+    /// # Errors
+    /// A journal that cannot be read.
+    pub(super) fn left<'a>(&self, members: &'a [M]) -> Result<Left<'a, M>, StudyError> {
+        let mut left = Left { members: Vec::new(), changed: 0 };
+        match &mut *self.state() {
+            State::InMemory(entries) => {
+                let unchanged = |member: &&M| {
+                    entries
+                        .get(member.name())
+                        .is_some_and(|entry| member.key().is_some_and(|key| key == entry.sha256))
+                };
+                left.members.extend(members.iter().filter(|member| !unchanged(member)));
+            }
+            State::OnDisk(OnDisk { path, lines, .. }) => {
+                for member in members {
+                    let line =
+                        lines.get(member.name()).map_err(|source| unwritten(path, source))?;
+                    let unchanged =
+                        line.is_some_and(|line| member.key().is_some_and(|key| line.is_of(&key)));
+                    if !unchanged {
+                        left.members.push(member);
+                        left.changed += usize::from(line.is_some());
+                    }
+                }
+            }
+        }
+        Ok(left)
     }
 
     /// Adds finished members, each with its key and rows; they are on disk when this returns.
@@ -294,14 +290,11 @@ impl<M: Member> Journal<M> {
                 let mut start = append(file, texts.concat().as_bytes())
                     .map_err(|source| unwritten(path, source))?;
                 for (entry, text) in entries.into_iter().zip(texts) {
-                    let length = text.len();
-                    let placed = placed::<M>(&entry, start, length);
-                    let (name, line) = placed.ok_or_else(|| {
-                        let cause = "its results are too large: 256 MB for a line, 64 GB for all";
-                        unwritten(path, io::Error::new(io::ErrorKind::FileTooLarge, cause))
-                    })?;
-                    lines.insert(name, line);
-                    start += length as u64;
+                    if let Some(name) = entry.name.get(M::KIND) {
+                        let line = Line::new(start, text.len(), &entry.sha256);
+                        lines.insert(name, line).map_err(|source| unwritten(path, source))?;
+                    }
+                    start += text.len() as u64;
                 }
             }
         }
@@ -325,14 +318,16 @@ impl<M: Member> Journal<M> {
                     reader.stream_position().map_err(|source| unwritten(path, source))?;
                 let mut bytes = Vec::new();
                 for member in members {
-                    let Some(line) = lines.get(&digest(member.name())) else { continue };
-                    bytes.resize(line.length() as usize, 0);
+                    let line =
+                        lines.get(member.name()).map_err(|source| unwritten(path, source))?;
+                    let Some(Line { start, length, .. }) = line else { continue };
+                    bytes.resize(length as usize, 0);
                     // Members that follow one another in the study mostly do so in the journal.
                     reader
-                        .seek_relative(line.start().cast_signed() - here.cast_signed())
+                        .seek_relative(start.cast_signed() - here.cast_signed())
                         .and_then(|()| reader.read_exact(&mut bytes))
                         .map_err(|source| unwritten(path, source))?;
-                    here = line.start() + line.length();
+                    here = start + length;
                     let entry = serde_json::from_slice::<Entry<M::Row>>(&bytes)?;
                     if entry.name.get(M::KIND).is_none_or(|name| name != member.name()) {
                         let (path, member) = (path.clone(), member.name().to_owned());
@@ -401,8 +396,11 @@ impl OnDisk {
             }
             let text = checked(&bytes, &self.settings);
             let entry = text.and_then(|text| serde_json::from_str::<Entry<M::Row>>(&text).ok());
-            match entry.and_then(|entry| placed::<M>(&entry, start, length)) {
-                Some((name, line)) => drop(self.lines.insert(name, line)),
+            let named = entry.and_then(named::<M>);
+            match named {
+                Some((name, done)) => {
+                    self.lines.insert(&name, Line::new(start, length, &done.sha256))?;
+                }
                 None => self.damaged += 1,
             }
             start += length as u64;
@@ -418,27 +416,4 @@ impl OnDisk {
 fn named<M: Member>(mut entry: Entry<M::Row>) -> Option<(String, Done<M::Row>)> {
     let done = Done { sha256: entry.sha256, rows: entry.rows };
     Some((entry.name.remove(M::KIND)?, done))
-}
-
-/// Returns the digest of the name and the position of an entry if it belongs to a member of this kind.
-fn placed<M: Member>(entry: &Entry<M::Row>, start: u64, length: usize) -> Option<(u64, Line)> {
-    let name = digest(entry.name.get(M::KIND)?);
-    Some((name, Line::new(start, length, &entry.sha256)?))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_has_its_start_length_and_input_up_to_their_bounds() {
-        let last = u64::MAX / LONGEST;
-        for (start, length) in [(0, 0), (17, 300), (last, LONGEST as usize - 1)] {
-            let line = Line::new(start, length, "key").unwrap();
-            assert_eq!((line.start(), line.length()), (start, length as u64));
-            assert!(line.is_of("key") && !line.is_of("other"));
-        }
-        assert!(Line::new(0, LONGEST as usize, "key").is_none());
-        assert!(Line::new(last + 1, 0, "key").is_none());
-    }
 }

@@ -139,8 +139,9 @@ pub(super) fn run_in_parts<M: Member, C: Default + Extend<M::Row>>(
         || (0..count).step_by(size).map(|start| members.part(start..count.min(start + size)));
     let (mut resumed, mut changed) = (count, 0);
     for part in parts() {
-        resumed -= journal.left(&part).len();
-        changed += journal.changed(&part);
+        let left = journal.left(&part)?;
+        resumed -= left.members.len();
+        changed += left.changed;
     }
     if journal.damaged() > 0 {
         observer.damaged(journal.damaged());
@@ -167,7 +168,7 @@ pub(super) fn run_in_parts<M: Member, C: Default + Extend<M::Row>>(
         if goes_on { Ok(()) } else { Err(End::Stopped) }
     };
     let end = parts().try_for_each(|part| {
-        let left = journal.left(&part);
+        let left = journal.left(&part)?.members;
         threads.install(|| left.par_chunks(together.get()).try_for_each(group))
     });
     let stopped = match end {

@@ -34,12 +34,19 @@ impl ParameterStudy {
     }
 
     /// Numbers of the members of a part that a journal does not have.
-    pub fn left(&self, part: Shard, journal: &Journal<Variation>) -> Vec<usize> {
+    ///
+    /// # Errors
+    /// A journal that cannot be read.
+    pub fn left(
+        &self,
+        part: Shard,
+        journal: &Journal<Variation>,
+    ) -> Result<Vec<usize>, StudyError> {
         let mut left = Vec::new();
         for members in self.in_turn(part, AT_ONCE) {
-            left.extend(journal.left(&members).into_iter().map(|member| member.number));
+            left.extend(journal.left(&members)?.members.iter().map(|member| member.number));
         }
-        left
+        Ok(left)
     }
 
     /// Adds rows to a journal; they are on the disk when this returns. Rows of members of other

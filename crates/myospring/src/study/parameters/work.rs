@@ -242,8 +242,7 @@ impl Common {
                 damaged.push(*member);
             }
         }
-        journal.forget(damaged);
-        Ok(())
+        journal.forget(damaged)
     }
 
     /// Why curves were not stored.
