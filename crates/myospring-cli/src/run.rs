@@ -14,7 +14,7 @@ use crate::terminal::Terminal;
 use myospring::compare::factor;
 use myospring::experiment::Folder;
 use myospring::experiment::run::{
-    BeatCell, FinishedRun, RunNumbers, SavedRun, Stop, Timings, WrittenOutputs, chosen,
+    BeatCell, FinishedRun, RunNumbers, SavedRun, Stop, Style, Timings, WrittenOutputs, chosen,
 };
 use myospring::output::json;
 use serde::Serialize;
@@ -34,7 +34,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         refused = Some(input::refusals(&args.output, &name));
     }
     let threads = args.threads.map(usize::from);
-    let prepared = BeatCell { name, run, threads, refused }.prepare(&FILES)?;
+    let draws = !args.dry_run && outputs.iter().any(|output| output.draws_mesh());
+    let look = Style::from(args.look);
+    let mesh_figure = draws.then_some(look.theme);
+    let prepared = BeatCell { name, run, threads, refused, mesh_figure }.prepare(&FILES)?;
     let warn = |warnings: &[String]| {
         for warning in warnings.iter().filter(|_| !args.output.quiet) {
             print::warn(warning);
@@ -51,7 +54,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let beaten = prepared.beat(&observer);
     observer.clear();
     warn(&beaten.summary.warnings[warned..]);
-    let kept = beaten.write(&folder, &outputs, args.look.into(), &observer)?;
+    let kept = beaten.write(&folder, &outputs, look, &observer)?;
     let target = folder.finish(&observer)?;
     told(args, &beaten, &kept, &target)?;
     let stop = &beaten.outcome.stop;

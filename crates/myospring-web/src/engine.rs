@@ -195,7 +195,7 @@ impl Engine {
             factor::scale(&mut run, &dose.factors)?;
         }
         run.title = setup.label;
-        let cell = BeatCell { name, run, threads: Some(1), refused: None };
+        let cell = BeatCell { name, run, threads: Some(1), refused: None, mesh_figure: None };
         self.last = Some(self.series.prepare(cell, &self.files)?.beat(&()));
         Ok(())
     }

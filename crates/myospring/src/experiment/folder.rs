@@ -20,6 +20,18 @@ const DPI: f64 = 300.0;
 /// What draws a figure.
 pub type Draw<'a> = &'a (dyn Fn() -> Result<Figure, FigureError> + Sync);
 
+/// The two files of a figure.
+pub(super) struct FigureFiles {
+    png: Vec<u8>,
+    svg: String,
+}
+
+impl FigureFiles {
+    pub(super) fn of(figure: &Figure) -> Result<Self, FigureError> {
+        Ok(Self { png: figure.to_png(DPI)?, svg: figure.to_svg() })
+    }
+}
+
 /// A folder of results in progress, on the disk or in memory.
 #[derive(Clone)]
 pub struct Folder {
@@ -207,19 +219,20 @@ impl Folder {
                 observer.warn(&format!("figure {name} is left out: the program was interrupted"));
                 return Ok(());
             }
-            self.figure(name, themed(*draw), observer)
+            let files = themed(*draw).and_then(|figure| FigureFiles::of(&figure));
+            self.figure(name, files.as_ref(), observer)
         })
     }
 
     /// Writes a figure as SVG and PNG; one that cannot be drawn becomes a warning.
-    fn figure(
+    pub(super) fn figure(
         &self,
         name: &str,
-        figure: Result<Figure, FigureError>,
+        files: Result<&FigureFiles, &FigureError>,
         observer: &dyn Observer,
     ) -> Result<(), ExperimentError> {
-        match figure.and_then(|figure| Ok((figure.to_png(DPI)?, figure.to_svg()))) {
-            Ok((png, svg)) => {
+        match files {
+            Ok(FigureFiles { png, svg }) => {
                 self.write(&format!("figures/{name}.svg"), svg)?;
                 self.write(&format!("figures/{name}.png"), png)
             }

@@ -238,7 +238,7 @@ fn a_fit_writes_the_tension_and_a_run_that_repeats_the_curve() {
         input::settle(Some(&target.join("run.toml")), &[], &files, &Interruption::default())
             .unwrap();
     assert_eq!((run.cell.name(), run.protocol.beats), ("given_tension", 3));
-    let beat = BeatCell { name, run, threads: None, refused: None };
+    let beat = BeatCell { name, run, threads: None, refused: None, mesh_figure: None };
     let finished = beat.run(&files, &()).unwrap();
     let samples = &finished.outcome.recording.samples;
     let again = MonotoneCubic::new(

@@ -95,6 +95,7 @@ impl Keeper for Kept<'_> {
                 numbers: &numbers,
                 stimuli: &stimuli,
                 style: Style::default(),
+                mesh_figure: None,
                 inputs: &Inputs::default(),
                 observer: self.observer,
             },

@@ -3,6 +3,8 @@
 use super::record::Timings;
 use crate::analysis::summary::Summary;
 use crate::experiment::Files;
+use crate::experiment::folder::FigureFiles;
+use crate::output::figure::{FigureError, Theme};
 use crate::settings::{FibreReport, MeshedRun, Run};
 use crate::simulation::{Effort, Outcome};
 use serde::Serialize;
@@ -24,6 +26,8 @@ pub struct FinishedRun {
     /// Where the time went, up to the end of the beat.
     pub timings: Timings,
     pub(super) files: Files,
+    /// The figure of the mesh in a theme, if it is drawn already.
+    pub(super) mesh_figure: Option<(Theme, Result<FigureFiles, FigureError>)>,
 }
 
 /// The numbers of a run, as `summary.json` has them.
@@ -56,7 +60,8 @@ impl FinishedRun {
             Summary::new(&outcome.recording, &stimuli, s2_ms, made.report.clone(), warnings)
                 .with_about_model(made.simulation.pace(&outcome.beats()).about_model());
         let timings = Timings::default();
-        Self { name, run, shape_sha256, made, outcome, summary, timings, files }
+        let mesh_figure = None;
+        Self { name, run, shape_sha256, made, outcome, summary, timings, files, mesh_figure }
     }
 
     /// The numbers, as `summary.json` has them.

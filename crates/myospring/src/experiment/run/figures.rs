@@ -10,6 +10,9 @@ use crate::output::field::Fields;
 use crate::output::figure::{self, ContractionOptions, DrawnThickCell, FigureError};
 use std::sync::OnceLock;
 
+/// The figure of the mesh at rest, which needs no beat.
+const MESH: &str = "mesh";
+
 /// Writes the figures of a run.
 pub(in crate::experiment) fn write(
     folder: &Folder,
@@ -25,8 +28,12 @@ pub(in crate::experiment) fn write(
         numbers,
         stimuli,
         observer,
+        mesh_figure,
         ..
     } = finished;
+    if let Some(files) = mesh_figure {
+        folder.figure(MESH, files.as_ref(), *observer)?;
+    }
     let recording = &outcome.recording;
     let mesh = &simulation.mesh;
     // Made by the first figure that needs it, so that the others begin at once. `Finished::cell` must not use rayon: its thread could
@@ -70,7 +77,7 @@ pub(in crate::experiment) fn write(
         (true, ("overview", &|| figure::overview(cell()?, recording, stimuli))),
         (true, ("cell", &|| figure::cell_shapes(cell()?, &figure::key_shapes(recording, stimuli)))),
         (simulation.thick.is_some(), ("in_space", &in_space)),
-        (true, ("mesh", &|| figure::mesh(mesh))),
+        (mesh_figure.is_none(), (MESH, &|| figure::mesh(mesh))),
         (
             true,
             ("action_potential_and_tension", &|| {

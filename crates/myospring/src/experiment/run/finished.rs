@@ -1,6 +1,7 @@
 //! A finished run, with all that its outputs are made from.
 
 use super::beaten::RunNumbers;
+use crate::experiment::folder::FigureFiles;
 use crate::experiment::{Inputs, Observer};
 use crate::mesh::outline::Outline;
 use crate::microscopy::cells::{PictureCell, PictureCells};
@@ -36,6 +37,8 @@ pub(crate) struct Finished<'a> {
     /// Times of the stimuli, ms.
     pub(crate) stimuli: &'a [f64],
     pub(crate) style: Style,
+    /// The figure of the mesh, if it is drawn already.
+    pub(crate) mesh_figure: Option<&'a Result<FigureFiles, FigureError>>,
     /// The files that the run was made from, as its results name them.
     pub(crate) inputs: &'a Inputs,
     /// Receives a warning for each output that is left out.

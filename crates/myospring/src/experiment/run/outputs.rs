@@ -31,6 +31,16 @@ pub struct Output {
     write: fn(&Folder, &Finished<'_>) -> Result<(), ExperimentError>,
 }
 
+/// The word for the figures.
+const FIGURES: &str = "figures";
+
+impl Output {
+    /// Whether it has a figure of the mesh at rest, which [`BeatCell::mesh_figure`](super::BeatCell::mesh_figure) draws early.
+    pub fn draws_mesh(&self) -> bool {
+        self.word == FIGURES
+    }
+}
+
 /// The outputs; people are asked to open the first that can be opened.
 pub const OUTPUTS: [Output; 8] = [
     Output {
@@ -42,7 +52,7 @@ pub const OUTPUTS: [Output; 8] = [
         write: page::write,
     },
     Output {
-        word: "figures",
+        word: FIGURES,
         about: "cell, curves and lattice as in a paper, SVG and PNG (figures/)",
         look: Some("figures/overview.png"),
         by_default: true,

@@ -4,10 +4,12 @@ use super::beaten::FinishedRun;
 use super::record::Timings;
 use super::watch;
 use crate::clock::Stopwatch;
+use crate::experiment::folder::FigureFiles;
 use crate::experiment::input::{self, Input};
 use crate::experiment::refused::Place;
 use crate::experiment::{Experiment, ExperimentError, Files, Observer};
 use crate::integrate::stencil;
+use crate::output::figure::{self, FigureError, Theme};
 use crate::settings::{MeshedRun, Run, Shaped};
 use crate::simulation::{Effort, Ready, SetupError, Simulation};
 use crate::study::sha256;
@@ -23,6 +25,9 @@ pub struct BeatCell {
     pub threads: Option<usize>,
     /// Where an overlay goes that shows why a picture gives no cell.
     pub refused: Option<Place>,
+    /// Draws the figure of the mesh in this theme while the run is made ready, which leaves a core idle; else it is drawn when it is
+    /// written.
+    pub mesh_figure: Option<Theme>,
 }
 
 /// A run that is ready: its cell is meshed, and its time step is chosen or its path of equilibria
@@ -40,6 +45,7 @@ pub struct PreparedRun {
     pub warnings: Vec<String>,
     timings: Timings,
     files: Files,
+    mesh_figure: Option<(Theme, Result<FigureFiles, FigureError>)>,
 }
 
 /// What a run would do.
@@ -66,6 +72,7 @@ impl BeatCell {
             (name, run),
             (shaped, sha256),
             self.threads,
+            self.mesh_figure,
             files,
             start,
             Simulation::build,
@@ -84,7 +91,7 @@ impl PreparedRun {
         threads: Option<usize>,
         files: &Files,
     ) -> Result<Self, ExperimentError> {
-        Self::of(named, shape, threads, files, Stopwatch::start(), Simulation::build)
+        Self::of(named, shape, threads, None, files, Stopwatch::start(), Simulation::build)
     }
 
     /// Makes a run ready by `build`.
@@ -92,9 +99,10 @@ impl PreparedRun {
         (name, mut run): (String, Run),
         (shaped, shape_sha256): (Shaped, String),
         threads: Option<usize>,
+        mesh_figure: Option<Theme>,
         files: &Files,
         start: Stopwatch,
-        build: impl FnOnce(&Simulation) -> Result<Ready, SetupError>,
+        build: impl FnOnce(&Simulation) -> Result<Ready, SetupError> + Send,
     ) -> Result<Self, ExperimentError> {
         let mut made = run.make(shaped, |file| files.bytes(file))?;
         // The fibres that were used repeat the run.
@@ -105,12 +113,19 @@ impl PreparedRun {
         let springs = thick.as_ref().map_or(&mesh.springs, |thick| &thick.mesh.springs).len();
         let threads = threads.unwrap_or_else(|| stencil::worthwhile_threads(springs));
         made.simulation.numerics.engine.threads = threads;
-        let ready = build(&made.simulation)?;
+        let draw = |theme: Theme| {
+            let figure = figure::mesh(&made.simulation.mesh).map(|figure| figure.themed(theme));
+            (theme, figure.and_then(|figure| FigureFiles::of(&figure)))
+        };
+        let (ready, mesh_figure) =
+            rayon::join(|| build(&made.simulation), || mesh_figure.map(draw));
+        let ready = ready?;
         timings.preparation_s = stage.elapsed().as_secs_f64();
         timings.total_s = start.elapsed().as_secs_f64();
         let mut warnings = run.warnings(&made.report);
         warnings.extend(ready.warnings());
-        Ok(Self { name, run, shape_sha256, made, ready, warnings, timings, files: files.clone() })
+        let files = files.clone();
+        Ok(Self { name, run, shape_sha256, made, ready, warnings, timings, files, mesh_figure })
     }
 
     /// What the run would do; its first interval is computed to estimate the time.
@@ -137,12 +152,22 @@ impl PreparedRun {
     /// what was computed.
     pub fn beat(self, observer: &dyn Observer) -> FinishedRun {
         let start = Stopwatch::start();
-        let Self { name, run, shape_sha256, made, ready, mut warnings, mut timings, files } = self;
+        let Self {
+            name,
+            run,
+            shape_sha256,
+            made,
+            ready,
+            mut warnings,
+            mut timings,
+            files,
+            mesh_figure,
+        } = self;
         let outcome = watch::beat(&ready, run.duration, observer, &mut timings);
         warnings.extend(ready.warnings_after(&outcome));
         timings.total_s += start.elapsed().as_secs_f64();
         let beaten = FinishedRun::of(name, run, shape_sha256, made, outcome, warnings, files);
-        FinishedRun { timings, ..beaten }
+        FinishedRun { timings, mesh_figure, ..beaten }
     }
 }
 

@@ -158,7 +158,7 @@ impl FinishedRun {
         inputs: &'a Inputs,
         observer: &'a dyn Observer,
     ) -> Finished<'a> {
-        let Self { name, run, made, outcome, .. } = self;
+        let Self { name, run, made, outcome, mesh_figure, .. } = self;
         Finished {
             name,
             run,
@@ -170,6 +170,10 @@ impl FinishedRun {
             numbers,
             stimuli,
             style,
+            mesh_figure: mesh_figure
+                .as_ref()
+                .filter(|(theme, _)| *theme == style.theme)
+                .map(|(_, files)| files),
             inputs,
             observer,
         }

@@ -25,7 +25,7 @@ impl RunSeries {
     /// Those of [`BeatCell::prepare`].
     pub fn prepare(
         &mut self,
-        BeatCell { name, run, threads, refused }: BeatCell,
+        BeatCell { name, run, threads, refused, mesh_figure }: BeatCell,
         files: &Files,
     ) -> Result<PreparedRun, ExperimentError> {
         let start = Stopwatch::start();
@@ -38,7 +38,7 @@ impl RunSeries {
         let sha256 = sha256(&bytes.shape);
         self.shape = Some((run.shape.clone(), bytes, shaped.clone()));
         let build = |simulation: &Simulation| self.build(simulation);
-        PreparedRun::of((name, run), (shaped, sha256), threads, files, start, build)
+        PreparedRun::of((name, run), (shaped, sha256), threads, mesh_figure, files, start, build)
     }
 
     /// As [`Simulation::build`], on the path of the last run where that serves.
