@@ -174,8 +174,9 @@ impl Study {
 
     /// How many members were done with other values than they have now, and are worked on anew.
     #[getter]
-    fn changed(&self) -> PyResult<usize> {
-        let changed = self.progress().journal.changed(&self.parameters.members(Shard::WHOLE));
+    fn changed(&self, py: Python<'_>) -> PyResult<usize> {
+        let changed =
+            py.detach(|| self.progress().journal.changed(&self.parameters.members(Shard::WHOLE)));
         changed.map_err(|error| errors::of_journal(&error))
     }
 

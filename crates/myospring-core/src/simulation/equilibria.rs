@@ -105,7 +105,7 @@ where
 
     /// Extends the path to a tension, unless it ends before.
     fn extend_to(&mut self, simulation: &Simulation, tension: f64) -> Result<(), Interrupted> {
-        if self.shapes.reaches(tension) || self.end.is_some() {
+        if self.is_known_to(tension) {
             return Ok(());
         }
         self.extend(simulation, |path| path.extend(tension))
@@ -137,6 +137,11 @@ impl<const D: usize, const N: usize> Branch<D, N> {
     /// Lowest and highest tension, kPa, up to which the shapes are valid.
     pub(super) fn intact(&self) -> [f64; 2] {
         self.curve.intact
+    }
+
+    /// Whether it is solved up to a tension, or ends before.
+    fn is_known_to(&self, tension: f64) -> bool {
+        self.shapes.reaches(tension) || self.end.is_some()
     }
 
     /// The quantities of its shape at a tension.
@@ -402,6 +407,12 @@ where
 }
 
 impl<const D: usize, const N: usize> Equilibria<D, N> {
+    /// Whether they are solved up to a tension, or end before.
+    pub(super) fn are_known_to(&self, tension: f64) -> bool {
+        let mut branches = std::iter::once(&self.held).chain(self.loaded.as_deref());
+        branches.all(|branch| branch.is_known_to(tension))
+    }
+
     /// Why they end before a tension, if they do.
     pub(super) fn end(&self, tension: f64) -> Option<&PathError> {
         self.held.end.as_ref().filter(|_| !self.held.shapes.reaches(tension))

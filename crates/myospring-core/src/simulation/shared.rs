@@ -174,7 +174,14 @@ where
     let assembly = Arc::clone(&solved().held.assembly);
     let setup = simulation.set_up_on(assembly, cell)?;
     setup.check_path()?;
-    let mut solved = solved();
-    solved.extend_to(simulation, setup.peak())?;
-    Ok(PreparedPath { setup, equilibria: solved.clone() })
+    let mut equilibria = solved().clone();
+    if !equilibria.are_known_to(setup.peak()) {
+        // Not under the lock: a thread that waits within the solution may take up another run, which asks for the lock, too.
+        equilibria.extend_to(simulation, setup.peak())?;
+        let mut solved = solved();
+        if !solved.are_known_to(setup.peak()) {
+            *solved = equilibria.clone();
+        }
+    }
+    Ok(PreparedPath { setup, equilibria })
 }

@@ -37,8 +37,8 @@ struct Entry<R> {
 /// Each line ends with a checksum of the line and the settings. A damaged line, or one of another
 /// study, is ignored: its member is computed again ([`Journal::damaged`]).
 ///
-/// Rows stay on the disk, and so does the place of each, in a file without a name beside them: memory does not grow with the members
-/// that are done.
+/// Rows stay on the disk, and so do the positions of their lines, in a file without a name in the same folder: memory does not grow with
+/// the members that are done.
 pub struct Journal<M: Member> {
     state: Mutex<State<M::Row>>,
 }
@@ -211,7 +211,7 @@ impl<M: Member> Journal<M> {
     /// Marks members as not finished, because their results in other files are damaged.
     ///
     /// # Errors
-    /// Those of the disk.
+    /// A journal that cannot be read or written.
     pub(super) fn forget<'a>(
         &self,
         members: impl IntoIterator<Item = &'a M>,

@@ -31,9 +31,6 @@ pub(in crate::experiment) fn write(
         mesh_figure,
         ..
     } = finished;
-    if let Some(files) = mesh_figure {
-        folder.figure(MESH, files.as_ref(), *observer)?;
-    }
     let recording = &outcome.recording;
     let mesh = &simulation.mesh;
     // Made by the first figure that needs it, so that the others begin at once. `Finished::cell` must not use rayon: its thread could
@@ -91,5 +88,6 @@ pub(in crate::experiment) fn write(
     ];
     let figures: Vec<(&str, Draw<'_>)> =
         all.into_iter().filter(|(applies, _)| *applies).map(|(_, figure)| figure).collect();
-    folder.figures(finished.style.theme, &figures, *observer)
+    let drawn = mesh_figure.map(|files| folder.figure(MESH, files.as_ref(), *observer));
+    folder.figures(finished.style.theme, &figures, *observer).and(drawn.unwrap_or(Ok(())))
 }

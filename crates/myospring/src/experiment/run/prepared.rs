@@ -8,7 +8,7 @@ use crate::experiment::folder::FigureFiles;
 use crate::experiment::input::{self, Input};
 use crate::experiment::refused::Place;
 use crate::experiment::{Experiment, ExperimentError, Files, Observer};
-use crate::integrate::stencil;
+use crate::integrate::{Method, stencil};
 use crate::output::figure::{self, FigureError, Theme};
 use crate::settings::{MeshedRun, Run, Shaped};
 use crate::simulation::{Effort, Ready, SetupError, Simulation};
@@ -25,8 +25,8 @@ pub struct BeatCell {
     pub threads: Option<usize>,
     /// Where an overlay goes that shows why a picture gives no cell.
     pub refused: Option<Place>,
-    /// Draws the figure of the mesh in this theme while the run is made ready, which leaves a core idle; else it is drawn when it is
-    /// written.
+    /// Draws the figure of the mesh in this theme while a path of equilibria is solved. `None`: it is drawn after the beat, with the
+    /// other figures.
     pub mesh_figure: Option<Theme>,
 }
 
@@ -113,12 +113,17 @@ impl PreparedRun {
         let springs = thick.as_ref().map_or(&mesh.springs, |thick| &thick.mesh.springs).len();
         let threads = threads.unwrap_or_else(|| stencil::worthwhile_threads(springs));
         made.simulation.numerics.engine.threads = threads;
+        let simulation = &made.simulation;
         let draw = |theme: Theme| {
-            let figure = figure::mesh(&made.simulation.mesh).map(|figure| figure.themed(theme));
+            let figure = figure::mesh(&simulation.mesh).map(|figure| figure.themed(theme));
             (theme, figure.and_then(|figure| FigureFiles::of(&figure)))
         };
-        let (ready, mesh_figure) =
-            rayon::join(|| build(&made.simulation), || mesh_figure.map(draw));
+        let solves = simulation.numerics.method == Method::QuasiStatic;
+        let (ready, mesh_figure) = match mesh_figure.filter(|_| solves) {
+            Some(theme) => rayon::join(|| build(simulation), || Some(draw(theme))),
+            // Without the threads of the process, which do not survive a fork.
+            None => (build(simulation), None),
+        };
         let ready = ready?;
         timings.preparation_s = stage.elapsed().as_secs_f64();
         timings.total_s = start.elapsed().as_secs_f64();
@@ -176,5 +181,41 @@ impl Experiment for BeatCell {
 
     fn run(&self, files: &Files, observer: &dyn Observer) -> Result<FinishedRun, ExperimentError> {
         Ok(self.prepare(files)?.beat(observer))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Folder;
+    use crate::experiment::run::{Style, chosen};
+    use crate::run_file::RunFile;
+
+    #[test]
+    fn the_figure_of_the_mesh_is_the_same_whenever_it_is_drawn() {
+        let mut file = RunFile::default();
+        file.set("numerics.integrator", "quasi-static").unwrap();
+        file.set("numerics.spacing", "8 um").unwrap();
+        let run = file.resolve().unwrap();
+        let outputs = chosen(Some(&["figures".to_owned()])).unwrap();
+        let figures = |drawn: Option<Theme>, theme: Theme| {
+            let (name, run) = ("cell".to_owned(), run.clone());
+            let cell = BeatCell { name, run, threads: None, refused: None, mesh_figure: drawn };
+            let beaten = cell.prepare(&Files::default()).unwrap().beat(&());
+            assert_eq!(beaten.mesh_figure.is_some(), drawn.is_some());
+            let folder = Folder::in_memory();
+            let style = Style { theme, ..Style::default() };
+            let saved = beaten.write(&folder, &outputs, style, &()).unwrap();
+            assert!(saved.written.errors().is_empty());
+            let mut files = folder.contents();
+            files.retain(|name, _| name.starts_with("figures/"));
+            files
+        };
+        for theme in [Theme::Light, Theme::Dark] {
+            let late = figures(None, theme);
+            assert!(late.contains_key("figures/mesh.svg") && late.contains_key("figures/mesh.png"));
+            assert!(figures(Some(theme), theme) == late);
+            assert!(figures(Some(Theme::Light), theme) == late);
+        }
     }
 }

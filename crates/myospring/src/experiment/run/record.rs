@@ -12,7 +12,7 @@ pub struct Timings {
     /// Reading the shape and meshing it.
     pub mesh_s: f64,
     /// Finding the stable time step, or solving the path of equilibria; a reference beat of the cell model
-    /// where its parameters are not the published ones.
+    /// where its parameters are not the published ones. Beside a path, the figure of the mesh is drawn.
     pub preparation_s: f64,
     /// The cell model during the beat.
     pub cell_s: f64,

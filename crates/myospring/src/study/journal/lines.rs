@@ -34,14 +34,14 @@ fn digest(text: &str) -> u64 {
     hasher.finish()
 }
 
-/// Bytes of a slot: the digest of a member's name, then its line. A slot without length has none: that of a member that was removed, or,
-/// if the digest is 0 too, of no member.
+/// Bytes of a slot: the digest of a member's name, then its line. Length 0 means no line: the member was removed, or, if the digest is 0,
+/// too, the slot was never used.
 const SLOT: usize = 32;
 /// Slots of an empty table; a power of 2.
 const FIRST: u64 = 1 << 12;
-/// How often more slots a table gets that is two thirds full; a power of 2.
+/// Factor by which a table grows that is two thirds full; a power of 2.
 const MORE: u64 = 4;
-/// Slots that are read at a time: most searches end there.
+/// Slots that are read at a time; most searches read once.
 const AT_ONCE: u64 = 8;
 
 /// Lines by the names of their members. A name is known by its digest: two that share one are taken for one, which the reader of the
@@ -51,7 +51,7 @@ pub(super) struct Lines {
     file: Scratch,
     /// How many there are; a power of 2.
     slots: u64,
-    /// How many of them have a digest.
+    /// How many of them are in use, with those of removed members.
     taken: u64,
 }
 
@@ -64,7 +64,7 @@ struct Slot {
 }
 
 impl Lines {
-    /// None; they are kept in the folder, in a file without a name.
+    /// An empty table, in a file without a name in a folder.
     pub(super) fn new(folder: &Path) -> io::Result<Self> {
         Self::with_slots(folder, FIRST)
     }
@@ -98,10 +98,16 @@ impl Lines {
     }
 
     fn set(&mut self, digest: u64, line: Line) -> io::Result<()> {
-        let found = self.find(digest)?;
+        let mut found = self.find(digest)?;
+        let is_new = found.digest == 0;
+        // Before anything is written: there is a free slot also after an error.
+        if is_new && 3 * (self.taken + 1) > 2 * self.slots {
+            self.grow()?;
+            found = self.find(digest)?;
+        }
         self.write(&Slot { digest, line, ..found })?;
-        self.taken += u64::from(found.digest == 0);
-        if 3 * self.taken > 2 * self.slots { self.grow() } else { Ok(()) }
+        self.taken += u64::from(is_new);
+        Ok(())
     }
 
     /// The slot of a digest, or the free one where it would be.
@@ -208,6 +214,24 @@ mod tests {
             }
             prop_assert!(3 * lines.taken <= 2 * lines.slots && lines.taken >= map.len() as u64);
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_table_that_cannot_grow_stays_as_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let within = folder.path().join("within");
+        fs::create_dir(&within).unwrap();
+        let mut lines = Lines::with_slots(&within, 4).unwrap();
+        fs::remove_dir(&within).unwrap();
+        let line = Line::new(3, 5, "key");
+        assert!(["a", "b"].iter().all(|name| lines.insert(name, line).is_ok()));
+        for name in ["c", "d", "e", "f"] {
+            assert!(lines.insert(name, line).is_err());
+            assert_eq!(lines.get(name).unwrap(), None);
+        }
+        lines.insert("a", Line::new(4, 5, "key")).unwrap();
+        assert_eq!(lines.get("a").unwrap().unwrap().start, 4);
     }
 
     #[test]

@@ -419,17 +419,19 @@ impl Common {
         if !has_path || !body.shares_path {
             return Ok(simulation.build()?);
         }
-        let path = {
-            let mut path = body.path.lock().unwrap_or_else(PoisonError::into_inner);
-            if path.is_none() {
-                let solved = simulation.shared_path(Tolerance::default());
-                // After an interruption, an error of the path is not valid.
-                interruption.check()?;
-                *path = Some(solved.map(Arc::new).map_err(|error| error.to_string()));
-            }
-            path.clone().ok_or("there is no path")??
+        let path = || body.path.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = path().clone();
+        let path = if let Some(known) = known {
+            known
+        } else {
+            // Not under the lock: a thread that waits within the solution may take up another member, which asks for the lock, too.
+            let solved = simulation.shared_path(Tolerance::default());
+            // After an interruption, an error of the path is not valid.
+            interruption.check()?;
+            let solved = solved.map(Arc::new).map_err(|error| error.to_string());
+            path().get_or_insert(solved).clone()
         };
-        Ok(path.prepare(&simulation)?)
+        Ok(path?.prepare(&simulation)?)
     }
 
     fn simulation(&self, body: &Body, run: &Run) -> Result<Simulation, Cause> {
