@@ -195,7 +195,7 @@ mod tests {
     fn the_figure_of_the_mesh_is_the_same_whenever_it_is_drawn() {
         let mut file = RunFile::default();
         file.set("numerics.integrator", "quasi-static").unwrap();
-        file.set("numerics.spacing", "8 um").unwrap();
+        file.set("shape.spacing", "4 um").unwrap();
         let run = file.resolve().unwrap();
         let outputs = chosen(Some(&["figures".to_owned()])).unwrap();
         let figures = |drawn: Option<Theme>, theme: Theme| {
