@@ -14,7 +14,7 @@ Usage: cargo xtask endure [--quick | --for MINUTES] [--seed NUMBER] [--program P
 
 Ends the program (SIGKILL, SIGTERM, SIGINT, SIGHUP) at random moments of runs, films, fits, batches and studies, starts it again, and compares what it leaves
 with the results of a program that nobody disturbed, byte by byte. Starts two at once on one folder. Then it takes memory, descriptors
-and disk space away, and gives damaged files to each reader for a minute (ten minutes in all).
+and disk space away, lets each call that writes fail once (with strace), and gives damaged files to each reader for a minute (ten minutes in all).
 
   --quick           Each work is ended three times (two to three minutes, before the damaged files)
   --for MINUTES     Goes on so long; 10 unless stated
@@ -106,7 +106,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
         let (name, takes) = (work.name, takes.as_secs_f64());
         say(&format!("| {name} | {takes:.1} | {asked} | {killed} | {early} | {late} |\n"));
     }
-    let mut faults = faults::all(&place, &trials)?;
+    let mut faults = faults::all(&place, &trials, options.quick)?;
     faults.extend(trials.into_iter().flat_map(|trial| trial.faults));
     let seed = options.seed.to_string();
     let mut damaged = cargo(["run", "--release", "--locked", "-p", "myospring-verification"]);

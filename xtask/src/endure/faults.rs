@@ -20,14 +20,28 @@ const LIMITS: [Limit; 3] = [
     Limit { name: "files of at most 8 kB", ulimit: "-f 16" },
 ];
 
+/// Calls of the system that write, of which one fails as on a full disk.
+const CALLS: [&str; 6] = [
+    "write",
+    "pwrite64",
+    "ftruncate",
+    "fsync,fdatasync",
+    "rename,renameat,renameat2",
+    "mkdir,mkdirat",
+];
+
 /// Exit code where the shell refuses a limit.
 const REFUSED: i32 = 99;
 
 /// Size of a disk that is full soon, kB.
 const DISKS_KB: [u32; 3] = [4, 64, 400];
 
-/// Tries all; what went wrong.
-pub(super) fn all(place: &Place<'_>, trials: &[Trial<'_>]) -> Result<Vec<String>, String> {
+/// Tries all; what went wrong. `quick`: fewer calls fail.
+pub(super) fn all(
+    place: &Place<'_>,
+    trials: &[Trial<'_>],
+    quick: bool,
+) -> Result<Vec<String>, String> {
     let mut faults = Vec::new();
     if !cfg!(unix) {
         say("\nSKIPPED: limits and full disks, which take Unix\n");
@@ -37,11 +51,55 @@ pub(super) fn all(place: &Place<'_>, trials: &[Trial<'_>]) -> Result<Vec<String>
         for Limit { name, ulimit } in LIMITS {
             let output = format!("{}_limited", trial.work.name);
             let command = under(&format!("ulimit {ulimit}"), place, trial.work, &output);
-            faults.extend(looked_at(command, place.folder, &output, trial, name)?);
+            let again = place.command(trial.work, &output, false);
+            faults.extend(looked_at(command, Some(again), place.folder, &output, trial, name)?);
         }
         for kilobytes in DISKS_KB {
             faults.extend(on_a_small_disk(place, trial, kilobytes)?);
         }
+    }
+    faults.extend(failing_calls(place, trials, quick)?);
+    Ok(faults)
+}
+
+/// Each work, with the first, second, ... call that writes failing in each of its threads, until it makes no more of them.
+fn failing_calls(
+    place: &Place<'_>,
+    trials: &[Trial<'_>],
+    quick: bool,
+) -> Result<Vec<String>, String> {
+    let traces = |command: &mut Command| command.output().is_ok_and(|it| it.status.success());
+    if !traces(Command::new("strace").args(["-f", "-o", "/dev/null", "true"])) {
+        say("\nSKIPPED: calls that fail: strace is not installed, or may not trace\n");
+        return Ok(Vec::new());
+    }
+    let (mut faults, trace) = (Vec::new(), place.folder.join("trace"));
+    for trial in trials {
+        let mut tried = 0;
+        for call in CALLS {
+            let mut number = 1_u32;
+            loop {
+                let output = format!("{}_failing", trial.work.name);
+                let usual = place.command(trial.work, &output, false);
+                let mut command = Command::new("strace");
+                command.args(["-f", "-qq", "--seccomp-bpf", "-e", &format!("trace={call}"), "-e"]);
+                command.arg(format!("inject={call}:error=ENOSPC:when={number}"));
+                command.arg("-o").arg(&trace).arg(usual.get_program()).args(usual.get_args());
+                command.current_dir(place.folder).stdout(Stdio::null()).stderr(Stdio::piped());
+                let again = place.command(trial.work, &output, false);
+                let fault = format!("{call} {number} fails");
+                let found = looked_at(command, Some(again), place.folder, &output, trial, &fault)?;
+                faults.extend(found);
+                let traced = std::fs::read_to_string(&trace)
+                    .map_err(|error| format!("{}: {error}", trace.display()))?;
+                if !traced.contains("(INJECTED)") {
+                    break;
+                }
+                tried += 1;
+                number += if quick { number } else { 1 };
+            }
+        }
+        say(&format!("{}: {tried} calls failed\n", trial.work.name));
     }
     Ok(faults)
 }
@@ -57,9 +115,11 @@ fn under(first: &str, place: &Place<'_>, work: &Work, output: &str) -> Command {
     command
 }
 
-/// Runs a command: where it fails it says why, in words, and what it leaves is whole, file by file.
+/// Runs a command: where it fails it says why, in words, and what it leaves is whole, file by file. What resumes is made again by `again`,
+/// to the same results.
 fn looked_at(
     command: Command,
+    again: Option<Command>,
     folder: &Path,
     output: &str,
     trial: &Trial<'_>,
@@ -80,8 +140,17 @@ fn looked_at(
     if !succeeded && error.trim().is_empty() {
         faults.push(format!("{what}: it ended without a word"));
     }
-    let left = Results::of(&target)?;
-    if succeeded {
+    let mut left = Results::of(&target)?;
+    let again = again.filter(|_| trial.work.resumes && !succeeded);
+    let is_done = succeeded || again.is_some();
+    if let Some(again) = again {
+        let (code, error) = ended(again)?;
+        if code != Some(0) {
+            faults.push(format!("{what}: it does not go on: {error}"));
+        }
+        left = Results::of(&target)?;
+    }
+    if is_done {
         faults
             .extend(trial.undisturbed.differences(&left).iter().map(|it| format!("{what}: {it}")));
     } else if !trial.work.resumes {
@@ -90,6 +159,7 @@ fn looked_at(
     if target.exists() {
         std::fs::remove_dir_all(&target).map_err(|error| format!("{what}: {error}"))?;
     }
+    faults.iter().for_each(|fault| say(&format!("{fault}\n")));
     Ok(faults)
 }
 
@@ -110,7 +180,7 @@ fn on_a_small_disk(
     let output = format!("disk/{}", trial.work.name);
     let command = under("true", place, trial.work, &output);
     let fault = format!("a disk of {kilobytes} kB");
-    let faults = looked_at(command, place.folder, &output, trial, &fault);
+    let faults = looked_at(command, None, place.folder, &output, trial, &fault);
     Command::new("umount").arg(&disk).status().ok();
     faults
 }
