@@ -159,7 +159,9 @@ fn looked_at(
     if target.exists() {
         std::fs::remove_dir_all(&target).map_err(|error| format!("{what}: {error}"))?;
     }
-    faults.iter().for_each(|fault| say(&format!("{fault}\n")));
+    for fault in &faults {
+        say(&format!("{fault}\n"));
+    }
     Ok(faults)
 }
 
